@@ -36,8 +36,8 @@ from .folders import readable_train
 
 SAME = 1e-9  # relative: two tellings of one number
 _NOTHING = re.compile(
-    r"nothing is missing(?! 0 %)|nothing missing: [1-9]|nothing is left|nothing left|to its sensors' noise"
-    r"|at the sensors' noise floor",
+    r"nothing is missing(?! 0 %)|nothing missing: [1-9]|show nothing missing|nothing is left|nothing left"
+    r"|all errors are within|at the sensors' noise floor",
     re.IGNORECASE,
 )
 _BEYOND = re.compile(r"(\d[\d.]*) times the (?:sensors' )?noise")
@@ -119,7 +119,7 @@ def _no_shares(told: Told) -> Iterator[str]:
                 yield f"{verb}: {name} is {value}"
     for who, text in told.texts.items():
         for line in text.splitlines() if who != "report" else ():
-            if "excess removed" in line or line.lstrip("│ ").startswith(("+", "−", "its own constants")):
+            if "excess removed" in line or line.lstrip("│ ").startswith(("+", "−", "constants")):
                 yield from (f"{who}: {share} %" for share in _SHARE.findall(line) if not 0.0 <= float(share) <= 100.0)
 
 
@@ -177,7 +177,7 @@ def _credits(told: Told) -> Iterator[str]:
         before = step["rmse_after"]
     if unseen["rmse"][0] > unseen["as_given"]["rmse"]:
         yield "the fit of the model's own constants leaves more than there was, which effects are credited with"
-    if steps and unseen["as_given"]["rmse"] != unseen["rmse"][0] and "its own" not in told.texts["discover"]:
+    if steps and unseen["as_given"]["rmse"] != unseen["rmse"][0] and "refitted" not in told.texts["discover"]:
         yield "the fit of the model's own constants is not told"
     alone = told.comparisons[0].overall.get(unseen["signal"])
     mixed = told.comparisons[0].input == "mixed"

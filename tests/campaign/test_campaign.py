@@ -39,7 +39,7 @@ class TestJobs:
         jobs = find_jobs(Grouping.of(tmp_path, pattern, "recording"), COMPARE, tell=told.append)
         assert [job.name for job in jobs] == ["EMA7_2026-03-01.csv", "EMA8_2026-03-02.csv"]
         (one,) = told
-        assert "EMA7_2026-13-01.csv: 2026-13-01 is no time" in one and one.endswith("left out")
+        assert "EMA7_2026-13-01.csv: 2026-13-01 is not an ISO 8601 time" in one and one.endswith("left out")
 
     def test_a_pattern_that_finds_no_time_at_all_is_refused(self, tmp_path):
         put(tmp_path, "EMA7_2026-13-01.csv", "EMA8_2026-14-02.csv")
@@ -51,7 +51,8 @@ class TestJobs:
         assert one.endswith("left out, as are 1 more")
 
     @pytest.mark.parametrize(
-        ("pattern", "reason"), [("(", "no regular"), ("EMA", "a group"), ("(?P<unit>.)(?P<day>.)", "a group")]
+        ("pattern", "reason"),
+        [("(", "no regular"), ("EMA", "its groups are wrong"), ("(?P<unit>.)(?P<day>.)", "its groups are wrong")],
     )
     def test_a_pattern_without_a_unit_is_refused(self, tmp_path, pattern, reason):
         with pytest.raises(InputError, match=reason):

@@ -111,15 +111,17 @@ def test_a_unit_is_judged_by_its_healthy_tests(rows):
     assert {of[f"dry.csv test {k}"].named.family.value for k in range(1, 5)} <= {"friction up", "preload up"}
     assert sum(of[f"well.csv test {k}"].detected for k in range(9, 13)) == 0
     assert [*of][:2] == ["dry.csv test 1", "dry.csv test 2"] and [*of][-1] == "well.csv test 12"  # as numbers
-    assert any("is a magnitude" in remark for remark in health.remarks)
+    assert any("is unsigned (a magnitude)" in remark for remark in health.remarks)
 
 
 def test_a_unit_without_enough_healthy_tests_is_not_judged(rows):
     (unit,) = units_of(complete(rows))
     few = unit_health(unit, Healthy.of("well.csv test [12] ", 4))
-    assert not few.tests and any("of 2 tests do not tell how tests differ" in remark for remark in few.remarks)
+    assert not few.tests and any(
+        "of 2 tests are too few to estimate how tests differ" in remark for remark in few.remarks
+    )
     none = unit_health(unit, Healthy.of("nothing is called so", 4))
-    assert not none.tests and any("no recording is said to be healthy" in remark for remark in none.remarks)
+    assert not none.tests and any("no healthy recording is selected" in remark for remark in none.remarks)
     assert unit_health(units_of(complete([{**rows[0], "health": None}]))[0], Healthy()) is None
 
 

@@ -49,6 +49,32 @@ class TestStore:
         store.write([a_row(verdict="unknown", done=2)])
         assert [row["verdict"] for row in store.rows()] == ["unknown"]
 
+    def test_a_try_that_was_done_counts_before_a_later_one_that_failed_merged_or_not(self, tmp_path):
+        """Two campaigns overlap: the second fails in a recording that the first has judged."""
+        store = Store.made(tmp_path / "r")
+        store.write([a_row(key="1", name=name, verdict="none", done=1) for name in "ab"])
+        store.write([a_row(key="1", name="a", verdict="none", done=2), a_row(key="1", name="b", status=FAILED, done=2)])
+        store.write([a_row(key="2", name="c", status=REFUSED, done=1)])
+        store.write([a_row(key="2", name="c", status=FAILED, done=2)])
+        store.write([a_row(key="3", name="d", verdict="unknown", done=1)])
+        store.write([a_row(key="4", name="d", verdict="none", done=2)])  # the same recording, changed
+        store.write([a_row(key="3", name="d", status=FAILED, done=3)])
+        store.write([a_row(key="5", name="e", done=1)])
+
+        def told():
+            return [(row["name"], row["status"], row["done_at"].timestamp(), row["verdict"]) for row in store.rows()]
+
+        before = told()
+        assert before == [
+            ("a", DONE, 1.0, "none"),
+            ("b", DONE, 1.0, "none"),
+            ("c", FAILED, 2.0, None),
+            ("d", DONE, 2.0, "none"),
+            ("e", DONE, 1.0, None),
+        ]
+        store.merge_files()
+        assert len([*tmp_path.rglob("*.parquet")]) == 1 and told() == before
+
     def test_what_failed_is_to_be_done_again(self, tmp_path):
         store = Store.made(tmp_path / "r")
         store.write([a_row(key="1"), a_row(key="2", status=REFUSED), a_row(key="3", status=FAILED)])
@@ -77,7 +103,7 @@ class TestStore:
     def test_other_versions_and_other_folders_are_refused(self, tmp_path):
         (tmp_path / "photos").mkdir()
         (tmp_path / "photos" / "cat.jpg").touch()
-        with pytest.raises(InputError, match="something else"):
+        with pytest.raises(InputError, match="other files than results"):
             Store.made(tmp_path / "photos")
         with pytest.raises(InputError, match="holds no results"):
             Store.opened(tmp_path / "photos")
@@ -103,7 +129,7 @@ class TestUnits:
         rows = [a_row(**of, **others), a_row(name="b", **{**of, "motion": "linear", "signals": ["speed"]}, **others)]
         (unit,) = units_of(rows)
         told = "\n".join(unit.remarks)
-        for part in ("linear and rotary machines", "differ in what they hold", "b is a copy of a", "one recording"):
+        for part in ("linear and rotary machines", "have different signals", "b is a copy of a", "one recording"):
             assert part in told
 
     def test_clocks_that_disagree_are_named(self):

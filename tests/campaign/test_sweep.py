@@ -144,7 +144,7 @@ def test_a_page_shows_curve_and_points(frictions, tmp_path):
     assert [chart["layout"]["xaxis"]["type"] for chart in charts_of(page)] == ["log", "log"]
     assert [len(chart["traces"][0]["x"]) for chart in charts_of(page)] == [3, 3]
     assert "default-src 'none'" in page
-    assert "no method could be sure of it" in page and "0/2" in page and "2/2" in page
+    assert "no method can detect it reliably" in page and "0/2" in page and "2/2" in page
 
 
 def test_points_drawn_anywhere_are_shown_where_they_are(frictions, tmp_path):
@@ -158,13 +158,13 @@ def test_points_drawn_anywhere_are_shown_where_they_are(frictions, tmp_path):
 
 def test_bounds_alone_fill_one_column_in_the_order_of_the_numbers(frictions):
     bare = [replace(point, searched=0, named=0) for point in frictions]
-    assert columns(bare) == ("least error",) and "search" not in meaning(bare)
+    assert columns(bare) == ("lowest error",) and "search" not in meaning(bare)
     point = bare[-1]
     size, held = point.settings[0], ("machine.motor_inertia", 1e-3, "kg m^2")
     (known,) = [n for n in point.numbers if n.path == size[0]]
     two = replace(point, settings=(held, size), numbers=(known,))
     assert point_cells(two, columns([two]))[-1] == f"-, {quantity(known.bound, known.unit)}"
-    assert columns(frictions) == ("named", "least error", "error told", "errors were")
+    assert columns(frictions) == ("found", "lowest error", "reported error", "actual error")
 
 
 def test_points_that_are_all_refused_are_counted_and_end_with_status_1(tmp_path):
@@ -191,10 +191,10 @@ def test_the_verb_goes_on_where_it_was_and_maps_two_numbers(tmp_path, capsys):
     capsys.readouterr()
     done_here(*asked, *two, "--json", tmp_path / "again.json")
     told = capsys.readouterr().out
-    assert "4 of 4 are done already" in told and "other sweeps" not in told
+    assert "4 of 4 already have results" in told and "other sweeps" not in told
     points = json.loads((tmp_path / "again.json").read_text())
     assert len(points) == 4 and all(point["results"] == 1 and point["named"] is None for point in points)
     assert all(point["numbers"][0]["bound"] > 0.0 for point in points)
     done_here(*asked, "--vary", "coulomb_friction.torque=0.07")
     told = " ".join(capsys.readouterr().out.split())
-    assert "holds 4 results of other sweeps" in told and "error told" not in told
+    assert "holds 4 results of other sweeps" in told and "reported error" not in told

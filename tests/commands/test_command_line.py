@@ -81,7 +81,7 @@ def test_a_command_beyond_the_speed_limit_is_warned_of(tmp_path, command, asked)
     result = done("simulate", *MODEL, "--command", command, "--seconds", "1", "-o", tmp_path / "run.mcap")
     assert result.stderr.count("warning:") == bool(asked)
     if asked:
-        assert f"asks {asked} of the motor" in result.stderr and "drive.speed_limit is 837.8 rad/s" in result.stderr
+        assert f"needs {asked} at the motor" in result.stderr and "drive.speed_limit is 837.8 rad/s" in result.stderr
 
 
 def test_export_gives_the_trace_back(tmp_path, imported, ramp):
@@ -142,5 +142,5 @@ def test_diff_tells_what_two_models_differ_in(tmp_path):
     assert {"what": "transmission.kind", "first": "rigid", "second": "planetary"} in found["differences"]
     done("add", "backlash", "--set", "width=0.004", *MODEL, "-o", tmp_path / "new.yaml")
     assert "width 0.004 rad" in done("diff", "polito_bench", tmp_path / "new.yaml").stdout
-    assert "are alike" in done("diff", "polito_bench", "polito_bench").stdout
+    assert "are identical" in done("diff", "polito_bench", "polito_bench").stdout
     refused("diff", "polito_bench", "polito_benhc", naming=("polito_benhc",))

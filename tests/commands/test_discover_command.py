@@ -199,7 +199,7 @@ def test_a_diagnosis_of_two_effects(tmp_path, stock):
                 assert entry["parameters"][name]["std"] > 0.0
     for name in ("groups", "depends_on", "next_recording", "warnings", "evidence"):
         assert name in content
-    assert "beside all others that were found" in " ".join(text.split())
+    assert "in addition to all others found" in " ".join(text.split())
     assert "several may be missing at once" in " ".join(text.split())
     assert "█" in text and (tmp_path / "d.mcap").stat().st_size > 10_000
 
@@ -211,7 +211,7 @@ def test_nothing_hidden_is_nothing_found_and_the_refitted_model_is_written(tmp_p
     assert content["verdict"] == "none" and content["none"] > 0.9
     outputs = ("-o", tmp_path / "new.yaml", "--json", tmp_path / "n.json")
     text = done("discover", *runs, *MODEL, *outputs).stdout
-    assert text.startswith("Nothing is missing that these recordings could show.")
+    assert text.startswith("These recordings show nothing missing.")
     assert "efitted" in text and "within standard errors: " in text
     assert json.loads((tmp_path / "n.json").read_text())["added"] == []
     assert set(load_model(tmp_path / "new.yaml").effects) == set(stock.effects)
@@ -231,7 +231,7 @@ def test_what_is_unknown_is_told_with_its_size_and_place(tmp_path, bench_cases):
     content = json.loads((tmp_path / "u.json").read_text())
     assert content["depends_on"] == ["output_position"] and content["left_over"] in text
     assert content["left_over"] in (tmp_path / "u.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
-    assert f"{tmp_path / 'same.yaml'} is the same as polito_bench" in text
+    assert f"{tmp_path / 'same.yaml'} equals polito_bench" in text
     suggested = next(line for line in text.splitlines() if line.startswith("  ema-twin compare"))
     assert suggested.count("--model") == 1 and "same.yaml" not in suggested
 
@@ -285,7 +285,7 @@ def test_verdicts_in_words():
     )
     assert "depends on the output's position." in sentence("unknown", [], ["output_position"])
     assert sentence("unknown", [], ["time"], left_over="from 1 to 2").endswith("depends on time: from 1 to 2.")
-    assert sentence("unknown", ["cogging"], ()).startswith("Your model lacks cogging; and something more is missing")
+    assert sentence("unknown", ["cogging"], ()).startswith("Your model lacks cogging. A further error remains")
     assert "gravity load or constant load" in wording.groups_sentence([["gravity_load", "constant_load"]])
     assert wording.effect_words("time#3") == "any dependence on time"
 

@@ -46,4 +46,4 @@ def test_what_holds_no_such_topic_is_refused(tmp_path):
     trace = tmp_path / "trace.CSV"
     trace.write_text("a;b\n")
     refused("import", trace, "--topic", "/rig1/bench/state", "-o", made, naming=("trace.CSV", "--topic"))
-    refused("import", bag, "-o", made, naming=("rigs.mcap", "recording already"))
+    refused("import", bag, "-o", made, naming=("rigs.mcap", "already a recording"))

@@ -100,10 +100,10 @@ def test_orders_of_the_output_are_found(stock, ratio, effect, shaft):
     assert ripple.options["order"] == "7"
     assert ripple.parameters == pytest.approx({"torque": 0.05, "phase": 0.4}, rel=0.03)
     assert order_sentences(found.model, found.added) == [
-        f"{effect.replace('_', ' ')}: order 7 of the {shaft} is that of rollers."
+        f"{effect.replace('_', ' ')}: order 7 of the {shaft} matches rollers."
     ]
     (unnamed,) = order_sentences(replace(found.model, orders={}), found.added)
-    assert f"7 times in a turn of the {shaft}" in unnamed
+    assert f"7 times per turn of the {shaft}" in unnamed
 
 
 @pytest.mark.slow

@@ -101,7 +101,7 @@ def test_a_machine_that_hunts_is_named_by_its_pits(baseline):
     """Worn tracks loosen the preload, which looks like play; what both directions meet at one place is no play's."""
     judged = [judge(one, baseline) for one in runs(np.random.default_rng(14), 1, wave=0.0, pits=0.03, hunting=2.0)]
     assert [one.family for one in judged] == [Family.LOCAL_DAMAGE] * len(judged)
-    assert "wave that both directions meet at the same place" in judged[0].words[-1]
+    assert "wave at the same place in both directions" in judged[0].words[-1]
     assert named_together(judged)[0].family is Family.LOCAL_DAMAGE
     loose = [judge(one, baseline) for one in runs(np.random.default_rng(15), 1, hunting=2.0)]
     assert [one.family for one in loose] == [Family.PLAY] * len(loose)
@@ -165,9 +165,18 @@ def test_a_magnitude_is_told_and_names_no_load():
     learnt = learn(runs(rng, 8, magnitude=True))
     assert learnt.unsigned and all("load" not in block.features for block in learnt.blocks)
     told = judge(run(rng, "another", load=1.2, magnitude=True), learnt)
-    assert told.acquisition.unsigned and "taken for a magnitude" in told.words[0]
-    assert told.detected and told.family is Family.UNKNOWN and "Record a current with a sign" in told.words[-1]
+    assert told.acquisition.unsigned and "is never negative in motion both ways, so it is treated as" in told.words[0]
+    assert told.detected and told.family is Family.UNKNOWN and "Record a signed current" in told.words[-1]
     assert judge(run(rng, "another", friction=1.3, stick=1.0, magnitude=True), learnt).family is Family.FRICTION_UP
+
+
+def test_an_effort_that_is_never_positive_keeps_its_sign():
+    """It never changes its sign either, but a magnitude is not negative."""
+    rng = np.random.default_rng(8)
+    of_load = run(rng, "another", magnitude=True)
+    assert judge(of_load, learn(runs(rng, 8, magnitude=True))).acquisition.unsigned
+    turned = judge(changed(of_load, effort=-of_load.effort), learn(runs(rng, 8)))
+    assert not turned.acquisition.unsigned and "unsigned" not in turned.words[0]
 
 
 def changed(record, **parts):
@@ -219,7 +228,7 @@ def test_play_is_seen_beside_encoders_that_hardly_scatter():
 
 
 def test_a_baseline_of_too_few_tests_is_refused():
-    with pytest.raises(InputError, match="of 2 tests do not tell how tests differ"):
+    with pytest.raises(InputError, match="of 2 tests are too few to estimate how tests differ"):
         learn(runs(np.random.default_rng(11), 2))
 
 

@@ -242,7 +242,7 @@ class TestTheKeysOfALiveRun:
 
     def test_effects_that_are_all_missing_are_each_likely(self, capsys):
         said = self.pressed("d", capsys, Services(diagnosis_message(OF_BOTH, 0, 1, 12.0)))
-        assert said.startswith("Looking for what the model lacks: this takes some seconds")
+        assert said.startswith("Diagnosing; this takes some seconds")
         assert "backlash: 98 % likely" in said and "Stribeck friction: 97 % likely" in said
         assert "cogging: 10 % likely" in said and "Press a to add them" in said
         assert "current: clipped" in said and "give several" not in said
@@ -254,14 +254,14 @@ class TestTheKeysOfALiveRun:
 
     def test_adding_before_anything_was_looked_for(self, capsys):
         said = self.pressed("a", capsys, Services(refused=NotDiagnosed("call monitor/diagnose first")))
-        assert "press d first" in said and "monitor/diagnose" not in said
+        assert "press d to diagnose first" in said and "monitor/diagnose" not in said
         assert "nothing to add" in self.pressed("a", capsys, Services(refused=InputError("nothing to add")))
 
     def test_what_was_added_is_told_with_the_constants_and_where_it_is_kept(self, capsys):
         services = Services(words="backlash width 4.0 mrad; and 7 constants refitted")
         assert "and 7 constants refitted. Watch" in self.pressed("a", capsys, services)
-        assert "live with -o NEW does" in self.pressed("a", capsys, services)
-        assert "new.yaml will hold it" in self.pressed("a", capsys, services, output=Path("new.yaml"))
+        assert "live with -o NEW to save it" in self.pressed("a", capsys, services)
+        assert "written to new.yaml at the end" in self.pressed("a", capsys, services, output=Path("new.yaml"))
 
 
 @pytest.mark.parametrize(("removed", "share"), [(1.226, 1.0), (-3.0, 0.0), (0.5, 0.5), (None, np.nan)])
@@ -321,7 +321,7 @@ def test_the_process_judges_and_is_asked_again(recording):
         assert worker.start() is not process
     finally:
         worker.close()
-    with pytest.raises(InputError, match="monitor is ending"):
+    with pytest.raises(InputError, match="monitor is shutting down"):
         worker.start()
 
 
@@ -341,7 +341,7 @@ def test_closing_ends_a_diagnosis_that_is_being_made(recording):
     _until(lambda: _computes(process.pid))
     worker.close()
     asking.join(20.0)
-    assert process.poll() is not None and "monitor is ending" in refused[0]
+    assert process.poll() is not None and "monitor is shutting down" in refused[0]
 
 
 @pytest.mark.slow

@@ -35,7 +35,7 @@ def test_the_present_pace_is_that_of_the_last_second_simulated():
         pace.timed(2 * MS, clock.takes(5 * MS))
     assert pace.now == pytest.approx(0.4)
     assert pace.overall == pytest.approx(3000 / 3500)
-    assert "takes 2.5 s for a second of the bench" in pace.complaint and "drive.kind averaged" in pace.complaint
+    assert "needs 2.5 s per second of bench time" in pace.complaint and "drive.kind averaged" in pace.complaint
 
 
 def test_one_step_longer_than_the_window_counts():

@@ -168,7 +168,7 @@ def test_a_torque_in_per_cent_is_told_to_be_none(tmp_path, capsys):
     file = tmp_path / "run.csv"
     file.write_text(text("Time [s],Position [rad],Torque [%]\n", (TIME, ANGLE, CURRENT)))
     init(str(tmp_path / "servo"), [file], gear_ratio=10.0)
-    assert "Torque [%]: % is no unit of the motor torque: read as if 1 were 1 N m" in capsys.readouterr().err
+    assert "Torque [%]: '%' is not a unit of the motor torque; the values are read as N m" in capsys.readouterr().err
 
 
 def test_words_of_other_languages_tell_setpoints_from_what_was_measured():

@@ -27,9 +27,9 @@ def drafted(files, folder, capsys, **options):
 
 
 def test_a_gear_ratio_that_the_encoders_contradict_is_asked_about_and_refused(servo, tmp_path, capsys):
-    assert "both positions make it" not in drafted(servo, tmp_path, capsys, gear_ratio=80.0)
+    assert "both positions give" not in drafted(servo, tmp_path, capsys, gear_ratio=80.0)
     told = drafted(servo, tmp_path, capsys, gear_ratio=50.0, force=True)
-    assert "the gear ratio was given as 50, and both positions make it 80; leave --gear-ratio out" in told
+    assert "the gear ratio was given as 50, but both positions give 80; leave --gear-ratio out" in told
     recordings = [load(file, import_map=tmp_path / "servo_map.yaml") for file in servo]
     with pytest.raises(InputError, match=r"0\.625 times .* machine\.gear_ratio \(with 80 they fit\)"):
         discover(recordings, load_model(tmp_path / "servo.yaml"))
@@ -90,9 +90,9 @@ def test_traces_whose_columns_have_other_names_are_refused_with_a_way_out(servo,
 def test_columns_that_only_some_traces_have_are_told(tmp_path, capsys, servo):
     fewer = write_servo(tmp_path, signals=("motor_position", "output_position", "speed"))
     told = drafted([servo[0], fewer[1]], tmp_path, capsys)
-    assert "run_1.csv: has no column 'current [A]', 'speed setpoint [rad/s]'" in told
+    assert "run_1.csv: lacks the column 'current [A]', 'speed setpoint [rad/s]'" in told
     told = drafted([fewer[0], servo[1]], tmp_path, capsys, force=True)
-    assert f"name {servo[1]} first to have it read" in told
+    assert f"list {servo[1]} first to use it" in told
 
 
 @pytest.mark.parametrize(
@@ -150,7 +150,7 @@ def test_play_is_added_to_no_model_that_has_nothing_behind_it(tmp_path):
         (9000, 0, True, False, "all 9000 samples compared"),
         (9000, 0, True, True, "all 9000 samples compared in the last pass"),
         (1200, 0, False, True, "1200 of 9000 samples compared, ended during this pass of the loop, none missing"),
-        (1200, 0, False, False, "1200 of 9000 samples compared, ended before the last, none missing"),
+        (1200, 0, False, False, "1200 of 9000 samples compared, stopped early, none missing"),
         (8990, 10, False, False, "8990 of 9000 samples compared, 10 missing"),
     ],
 )

@@ -74,7 +74,9 @@ def test_init_tells_which_joint_it_took_and_reads_further_traces_of_it(tmp_path,
             traces[-1], np.stack([*numbers.values()], axis=1), "%.7g", ",", header=",".join(numbers), comments=""
         )
     init(str(tmp_path / "robot"), traces)
-    assert "the columns numbered 2, of the joint that goes farthest; those of 1, 3" in capsys.readouterr().out
+    assert "the columns numbered 2, of the joint with the largest motion; those of 1, 3" in " ".join(
+        capsys.readouterr().out.split()
+    )
     assert "q2 " in (tmp_path / "robot_map.yaml").read_text()
 
 

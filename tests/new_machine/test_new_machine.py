@@ -63,7 +63,7 @@ def test_play_is_named_in_a_machine_of_which_no_constant_is_known(tmp_path):
         np.savetxt(tmp_path / f"{path.stem}.csv", table, "%.9g", ",", header=header, comments="")
     traces = sorted(tmp_path.glob("*.csv"))
     told = done("init", traces[1], "-o", "own", "--gear-ratio", "124", cwd=tmp_path)
-    assert "own_map.yaml: nothing was left to guess" in told.stdout
+    assert "own_map.yaml: nothing had to be guessed" in told.stdout
     done("discover", *traces, "--map", "own_map.yaml", "--model", "own.yaml", "-o", "own_better.yaml", cwd=tmp_path)
     effects = yaml.safe_load((tmp_path / "own_better.yaml").read_text())["effects"]
     assert effects["backlash"]["parameters"]["width"] == pytest.approx(4e-3, rel=0.03)
@@ -235,7 +235,7 @@ def test_the_shaft_is_asked_for_behind_a_gearbox(tmp_path):
     assert "shaft: output" in line_of(tmp_path / "arm_map.yaml", "motor_position")
     refused(
         "init", "-o", "leg", cwd=tmp_path, answers="\n".join([*answers[:7], "wheel", "0"]) + "\n",
-        naming=("'wheel' is no shaft",),
+        naming=("'wheel' is not a shaft",),
     )  # fmt: skip
 
 
@@ -280,7 +280,7 @@ def test_a_torque_constant_that_no_drive_could_feed_is_the_joints(tmp_path, rati
 def test_a_torque_constant_that_no_motor_has_is_refused(tmp_path, ratio, told):
     """A motor behind a gear turns 1000 times a minute at least; in thousandths, data sheets are right."""
     joint(tmp_path, 0.6)
-    with pytest.raises(InputError, match=rf"where it is in mN m/A, give {told / 1000.0:g}") as refusal:
+    with pytest.raises(InputError, match=rf"if it is in mN m/A, give {told / 1000.0:g}") as refusal:
         init(str(tmp_path / "j"), [tmp_path / "j.csv"], gear_ratio=ratio, torque_constant=told)
     assert "\n" not in str(refusal.value)
     assert not (tmp_path / "j.yaml").exists()
@@ -305,8 +305,10 @@ def test_each_column_that_follows_a_joint_is_to_be_looked_at(tmp_path, torque, a
         assert ("shaft: output}  # CHECK: " in line) == flipped, line
     columns = ("torque [N m], " if at_output else "") + "speed [rad/s], position [rad]"
     said = next(line for line in printed.splitlines() if line.startswith("Assumed: "))
-    assert said.startswith(f"Assumed: {columns} told at the output's shaft: no faster than 0.6 rad/s")
-    assert "a gear of 100 exceeds 1 rad/s" in said and "'motor position [rad]', and run init again" in said
+    assert said.startswith(f"Assumed: {columns}: read as values of the output shaft, no faster than 0.6 rad/s")
+    assert "a gear ratio of 100 exceeds 1 rad/s (" in said and "'motor position [rad]', and run init again" in said
+    why = "no faster than 0.6 rad/s, while a motor with a gear ratio of 100 exceeds 1 rad/s: assumed to be the output's"
+    assert why in line_of(tmp_path / "j_map.yaml", " motor_position:")
 
 
 def test_what_a_drives_voltage_decided_is_said_with_the_number_and_the_remedy(tmp_path):
@@ -314,5 +316,5 @@ def test_what_a_drives_voltage_decided_is_said_with_the_number_and_the_remedy(tm
     arguments = ("--gear-ratio", 100, "--torque-constant", 20)
     done("init", "j.csv", "-o", "j", *arguments, cwd=tmp_path)
     printed = done("init", "j.csv", "-o", "k", "--map", "j_map.yaml", *arguments, cwd=tmp_path).stdout
-    said = next(line for line in printed.splitlines() if line.startswith("Assumed: torque constant told at the joint"))
+    said = next(line for line in printed.splitlines() if line.startswith("Assumed: torque constant read as that of"))
     assert "20 N m/A would induce 1200 V" in said and "600 V" in said and "remove `shaft: output`" in said

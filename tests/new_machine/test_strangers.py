@@ -92,7 +92,7 @@ def test_a_drives_log_that_tells_turns_is_read_so_and_said(names):
     time, speed, angle = _swing()
     units, assumed = _units(names, (time, angle / (2.0 * math.pi), speed / (2.0 * math.pi), np.cos(time)))
     assert (units["motor_position"], units["speed"]) == ("rev", "rev/s")
-    [sentence] = [text for text in assumed if "tells turns" in text]
+    [sentence] = [text for text in assumed if "logs turns" in text]
     assert f"{names[1]} in rev" in sentence and "and run init again" in sentence and "\n" not in sentence
     # a unit in the name is what holds
     named = (names[0], f"{names[1]} [deg]", f"{names[2]} [deg/s]", names[3])
@@ -124,14 +124,14 @@ def test_an_encoders_steps_tell_the_unit_of_an_angle(per_radian, unit):
     read = np.rint(0.1 * angle / step) * step
     units, [sentence] = _units(("time", "position", "velocity"), (time, per_radian * read, 0.1 * per_radian * speed))
     assert units["motor_position"] == unit
-    assert "4096 counts a turn" in sentence
+    assert "4096 counts per turn" in sentence
 
 
 @pytest.mark.parametrize(("turn", "unit"), [(1.0, "rev"), (360.0, "deg"), (2.0 * math.pi, "rad")])
 def test_an_angle_that_begins_again_tells_its_unit(turn, unit):
     time, _, angle = _swing()
     units, [sentence] = _units(("time", "position"), (time, np.mod(angle / (2.0 * math.pi), 1.0) * turn))
-    assert units["motor_position"] == unit and "begins again" in sentence
+    assert units["motor_position"] == unit and "it wraps after" in sentence
 
 
 @pytest.mark.parametrize("counts", [4096.0, 10000.0, 16384.0, 20000.0, 2.0**20])

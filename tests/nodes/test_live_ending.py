@@ -132,7 +132,7 @@ class TestFullDisk:
         )  # fmt: skip
         assert result.returncode == 2 and "RMSE" in result.stdout
         (line,) = told(result.stderr)
-        assert line == f"error: {path}: cannot be written to its end; make room, or choose another folder"
+        assert line == f"error: {path}: could not be written completely; free some space, or choose another folder"
         assert list(tmp_path.iterdir()) == ([path] if verb == "live" else [])  # live, what fitted is kept
 
 

@@ -51,7 +51,7 @@ def unit(tmp_path_factory):
 
 def test_a_run_is_judged_as_its_recording_is(unit):
     watch = UnitWatch.opened(unit / "results", "", "test [0-5]/")
-    assert watch.unit == "EMA" and "no run was judged yet" in watch.words and not watch.off
+    assert watch.unit == "EMA" and "no run judged yet" in watch.words and not watch.off
     worn = load(unit / "runs" / "EMA" / "test 6" / "1.mcap")
     watch.judge(lambda: worn)
     (held,) = units_of(Store.opened(unit / "results").rows())
@@ -87,8 +87,8 @@ def test_what_cannot_be_judged_is_told_and_nothing_of_the_run_before(unit, fault
 
 @pytest.mark.parametrize(("name", "healthy", "reason"), [
     ("other", "test", "holds no unit 'other'; give the unit: one of EMA"),
-    ("EMA", "nothing", "no recording is said to be healthy"),
-    ("EMA", "test 0", "do not tell how tests differ"),
+    ("EMA", "nothing", "no healthy recording is selected"),
+    ("EMA", "test 0", "too few to estimate how tests differ"),
     ("EMA", "(", "no regular expression"),
 ])  # fmt: skip
 def test_results_that_tell_nothing_of_it_are_refused(unit, name, healthy, reason):

@@ -60,7 +60,7 @@ SOON = pytest.mark.parametrize("streams", [{"stale_after": 5.0}], indirect=True)
 @SOON
 def test_a_twin_that_never_answers_or_ceases_to_is_no_good_health(streams):
     mute = "the twin does not answer the bench's samples"
-    assert streams.told == (Level.STALE, "no sample arrives")
+    assert streams.told == (Level.STALE, "no samples received")
     streams.send(200, twin=False)
     assert streams.told == (Level.STALE, mute)
     assert not streams.monitor.complete
@@ -80,7 +80,7 @@ def test_a_twin_that_never_answers_or_ceases_to_is_no_good_health(streams):
 def test_a_live_bench_that_stops_is_stale(streams):
     streams.send(200)
     assert streams.told[0] is Level.OK and streams.monitor.complete
-    streams.graph.spin_until(lambda: streams.told == (Level.STALE, "no sample arrives"))
+    streams.graph.spin_until(lambda: streams.told == (Level.STALE, "no samples received"))
 
 
 @pytest.mark.parametrize("streams", [{"window": 0.5}], indirect=True)
@@ -118,5 +118,5 @@ def test_two_benches_that_mix_are_told_though_the_twin_answers_neither(streams):
 def test_a_monitor_that_came_late_tells_what_was_sent_before_it(streams):
     streams.sent = streams.skipped = 40
     streams.send(100)
-    assert "; 40 samples of this run were sent before the first that came here" in streams.told[1]
+    assert "; 40 samples of this run were sent before this node received its first" in streams.told[1]
     assert "missing" not in streams.told[1]

@@ -111,7 +111,7 @@ def test_what_is_missing_is_named_added_and_the_error_falls(bench):
     # whichever came second is refused at once, not queued
     refused, found = sorted(map(bench.answer, futures), key=lambda answer: answer.success)
     answered = len(bench.residuals)
-    assert not refused.success and "is being made" in refused.message
+    assert not refused.success and "is in progress" in refused.message
     assert found.success, found.message
     diagnosis = found.diagnosis
     assert diagnosis.verdict in {entry.id for entry in diagnosis.ranking if entry.found}

@@ -224,6 +224,6 @@ def test_every_report_reads_as_a_sentence_and_figures_with_units(graph, recordin
     assert reports["replay"].values["position"] == "2.00 of 2.00 s"
     error = reports["monitor"].values["RMSE of the output position"]
     assert re.fullmatch(r"\d\.\d\d mrad, \d{3} times the noise floor", error)
-    assert reports["monitor"].values["missing effect"] == "not asked yet: call monitor/diagnose"
+    assert reports["monitor"].values["missing effect"] == "no diagnosis yet: call monitor/diagnose"
     assert reports["record"].values["/bench/state"].endswith(" messages written")
     assert reports["twin"].values["computes at"].endswith(" × real time")

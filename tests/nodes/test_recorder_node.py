@@ -204,7 +204,7 @@ def test_a_live_run_that_is_not_recorded_whole_is_refused(ramp, tmp_path, monkey
     monkeypatch.setattr(live, "run_live", removing)
     figures = tmp_path / "live.json"
     arguments = ("live", ramp, *MODEL, "--headless", "--to", "3", "--record", folder, "--json", figures)
-    with pytest.raises(InputError, match=r"bag: the recording is not whole: lost: \d+ of /\w.* was removed or moved"):
+    with pytest.raises(InputError, match=r"bag: the recording is incomplete: lost: \d+ of /\w.* was removed or moved"):
         done_here(*arguments, "--max-bag-duration", "1")
     assert figures.exists()
     assert len(list(folder.glob("bag_*.mcap"))) > 1

@@ -134,7 +134,7 @@ def test_a_twin_that_came_late_does_not_say_that_it_integrated_across(graph):
     publisher = tester.create_publisher(EmaState, "/bench/state", qos.STATE)
     for sequence in range(40, 60):
         publisher.publish(write_state(10**9 + sequence * PERIOD, 1, sequence, bench_signals()))
-    words = "40 samples of this run were sent before the first that came here; they are not answered"
+    words = "40 samples of this run were sent before this node received its first; they are not answered"
     graph.spin_until(lambda: reports and reports[-1].status[0].message == words)
     counts = {value.key: value.value for value in reports[-1].status[0].values}
     assert (counts["samples lost in this run"], counts["samples answered"]) == ("0", "20")

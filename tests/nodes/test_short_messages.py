@@ -54,7 +54,7 @@ def test_short_messages_are_counted_and_one_without_bytes_is_told_as_silence(gra
         bench.stdin.write(b"\n")
         bench.stdin.flush()
         graph.spin_until(lambda: said["monitor"].level == DiagnosticStatus.STALE)
-        assert "no sample arrives" in said["monitor"].message
+        assert "no samples received" in said["monitor"].message
         assert bench.poll() is None  # it still sends
         assert len(answers) == 40
     finally:

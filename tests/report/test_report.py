@@ -223,7 +223,7 @@ def test_without_findings_it_says_so(models, recordings):
 
 def test_nothing_found_is_told_honestly(models, recordings, folder, stock):
     for verdict, said in (
-        ("none", "Nothing is missing"),
+        ("none", "These recordings show nothing missing"),
         ("unknown", "no effect of the catalogue explains; the remaining error depends on time"),
     ):
         told = {
@@ -256,7 +256,7 @@ def test_what_was_refused_is_shown_only_where_something_is_left(findings):
 def test_a_search_that_came_to_another_end_is_told(models, recordings, folder):
     (folder / "other.json").write_text(json.dumps({**FOUND, "added": ["gravity_load"], "groups": []}))
     text = Read(page(content_of(models, recordings[:1], read_findings(folder / "other.json")))).text
-    assert "ends otherwise than better: polito_bench lacks gravity load." in text
+    assert "gives a different result from better: polito_bench lacks gravity load." in text
 
 
 def test_models_in_the_other_order_are_told(models, recordings, findings, folder):
@@ -266,19 +266,21 @@ def test_models_in_the_other_order_are_told(models, recordings, findings, folder
         content = content_of(models[::-1], recordings[:1], given, names=("better", "polito_bench"))
         told = (
             "The second model, polito_bench, lacks backlash, which the first, better, has, and is farther from the "
-            "recordings: were the two given in the other order?"
+            "recordings: were the two models given in the wrong order?"
         )
         assert backwards(content) == told
         text = Read(page(content)).text
         assert (
             text.count(told) == 2 and "same effects" not in text and "better lacks backlash" not in text
         )  # title and heading
-        assert "polito_bench leaves out: backlash : width 4.00 mrad" in text
-        assert "Parameters of what better has and polito_bench lacks" in text
-        assert "farther" in text.split("excess over noise removed")[1][:600] and not re.search(r"[-−]\d+\.\d %", text)
+        assert "polito_bench lacks: backlash : width 4.00 mrad" in text
+        assert "Parameters of the effects that only better has" in text
+        assert "larger error" in text.split("excess over noise removed")[1][:600] and not re.search(
+            r"[-−]\d+\.\d %", text
+        )
     assert "What polito_bench lacks: the diagnosis" in Read(page(replace(content, findings=findings))).text
     assert (
-        "Nothing is missing in better"
+        "These recordings show nothing missing in better"
         in Read(page(replace(content, findings=read_findings(folder / "none.json")))).text
     )
 
@@ -297,7 +299,7 @@ def test_only_what_is_so_is_told_of_the_order(models, recordings, stock):
 
 @pytest.mark.parametrize(
     ("share", "after", "words"),
-    [(None, 2.0, "–"), (0.9987, 0.1, "99.9 %"), (-0.0001, 1.0001, "0.0 %"), (-1916267.3, 1e3, "farther")],
+    [(None, 2.0, "–"), (0.9987, 0.1, "99.9 %"), (-0.0001, 1.0001, "0.0 %"), (-1916267.3, 1e3, "larger error")],
 )
 def test_an_error_that_grew_is_told_in_a_word(share, after, words):
     assert removed_words(share, 1.0, after) == words
@@ -313,7 +315,7 @@ def test_recordings_with_fewer_signals(models, recordings, lacking):
 def test_recordings_that_tell_nothing(models, recordings):
     bench = recordings[0]
     text = Read(page(content_of(models, [with_signals(bench, {"current": bench.signals["current"]})]))).text
-    assert "hold no signal whose error tells one model from another" in text
+    assert "No signal in these recordings distinguishes the models" in text
 
 
 @pytest.mark.slow
@@ -355,7 +357,7 @@ def test_axes_take_a_unit_that_reads_well():
 )
 def test_files_that_no_search_wrote_are_refused(tmp_path, content):
     (tmp_path / "found.json").write_text(content)
-    with pytest.raises(InputError, match=r"found\.json: is (no JSON|not what discover --json)"):
+    with pytest.raises(InputError, match=r"found\.json: is (not JSON|not what discover --json)"):
         read_findings(tmp_path / "found.json")
 
 
@@ -374,7 +376,7 @@ def test_the_command_writes_it(tmp_path, folder, ramp, traces):
     assert "other order" not in result.stderr
     backward = ("--model", folder / "better.yaml", *before_and_after[:2], "--discovery", folder / "found.json")
     result = done("report", ramp, *backward, "-o", tmp_path / "b.html", "--to", 4)
-    assert re.search("warning: The second model, .* lacks backlash, which .* the other order", result.stderr)
+    assert re.search("warning: The second model, .* lacks backlash, which .* the wrong order", result.stderr)
     refused("report", ramp, *before_and_after, "-o", tmp_path / "r.html", naming=("r.html", "--force"))
     refused("report", ramp, *before_and_after, "-o", tmp_path / "r.pdf", naming=("r.pdf", ".html"))
     refused("report", ramp, *before_and_after[:2], "-o", tmp_path / "s.html", naming=("two models",))

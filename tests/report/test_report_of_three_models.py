@@ -74,16 +74,18 @@ def test_one_table_has_all_errors_beside_one_noise_floor(written, three, recordi
     places = [row.index(quantity(value, "rad")) for value in (errors[0]["noise_floor"], *(e["rmse"] for e in errors))]
     assert places == sorted(places)
     assert all(f"{role} " in table for role in ROLES)
-    assert "Names of the models: polito_bench (your model), better (with what was found), fitted (fitted)." in text
+    assert "Names of the models: polito_bench (your model), better (with the effects found), fitted (fitted)." in text
     floors = {error["noise_floor"] for error in errors}
     assert len(floors) == 1 and head.startswith("polito_bench lacks backlash.")
 
 
 def test_it_tells_what_fitting_did_and_that_it_gains_nothing_elsewhere(written):
     told = Read(written).text.split("What was wrong")[0]
-    assert "With what was found, the error (RMSE) of the output position falls from" in told
+    assert "With the effects found, the error (RMSE) of the output position falls from" in told
     assert "Fitting the found model's numbers to the simulated loop takes the error of" in told
-    assert "the error of the current is 6.50 mA; the found model, whose numbers had all recordings, has 5.50 mA" in told
+    assert (
+        "the error of the current is 6.50 mA; the found model, which was fitted to all recordings, has 5.50 mA" in told
+    )
 
 
 def test_numbers_stand_as_found_and_as_fitted(written):
@@ -116,7 +118,7 @@ def test_what_differs_is_judged_by_the_standard_errors(three, told):
 
 def test_only_the_same_model_fitted_is_taken(three):
     check_same_effects(three[1], three[2], NAMES[1:])
-    with pytest.raises(InputError, match=r"fitted: a third model .* \(backlash\) are not those of better; give"):
+    with pytest.raises(InputError, match=r"fitted: the third model .* \(backlash\) differ from those of better; give"):
         check_same_effects(three[1], three[0], NAMES[1:])
 
 
@@ -144,7 +146,7 @@ def test_views_show_all_three(tmp_path, content):
         twin = views.curve(f"{at}/twin\\ {role}".replace(" ", "\\ ").replace("\\\\", "\\"))[1]
         assert len(twin) == len(content.given.recordings[0])
     words = views.words("/after/errors")
-    assert "your model (orange), with what was found (blue) and fitted (pink)" in words
+    assert "your model (orange), with the effects found (blue) and fitted (pink)" in words
     assert all(f"output position, {role}" in words for role in ROLES)
 
 
@@ -155,16 +157,16 @@ def test_the_command_takes_three_models(tmp_path, three, told, ramp):
         files += ["--model", save_model(model, tmp_path / f"{name}.yaml")]
     common = (ramp, "--model", "polito_bench", *files, "--to", 4, "--discovery", told / "found.json")
     done("report", *common, "--fit", told / "fit.json", "-o", tmp_path / "r.html")
-    assert "with what was found" in (tmp_path / "r.html").read_text()
+    assert "with the effects found" in (tmp_path / "r.html").read_text()
     same = save_model(replace(three[1], name="same"), tmp_path / "same.yaml")
     two = (ramp, "--model", "polito_bench", *files[:2], "--model", same, *common[-4:])
     result = done("report", *two, "-o", tmp_path / "two.html")
-    assert "same is not shown: none of its numbers is farther from better's than its standard error" in result.stderr
+    assert "same is not shown: no parameter differs from better's by more than its standard error" in result.stderr
     text = (tmp_path / "two.html").read_text()
-    assert "same is not shown" in text and "with what was found" not in text
+    assert "same is not shown" in text and "with the effects found" not in text
     refused("report", *common, "--model", same, "-o", tmp_path / "s.html", naming=("two models", "or three", "4 times"))
     pair = (*common[:5], *common[7:])
     refused("report", *pair, "--fit", told / "fit.json", "-o", tmp_path / "s.html", naming=("third",))
     refused("report", *common, "--fit", told / "found.json", "-o", tmp_path / "s.html", naming=("fit --json",))
     backward = (ramp, *files, "--model", "polito_bench", *common[-4:])
-    refused("report", *backward, "-o", tmp_path / "s.html", naming=("polito_bench: a third model",))
+    refused("report", *backward, "-o", tmp_path / "s.html", naming=("polito_bench: the third model",))

@@ -122,7 +122,7 @@ def test_info_tells_what_a_gearbox_engineer_asks():
 def test_info_prints_them_and_writes_them(tmp_path):
     text = " ".join(done("info", "polito_hff", "--json", tmp_path / "i.json").stdout.split())
     for words in (
-        "What follows",
+        "Derived quantities",
         "fixed ring 63",
         "MN/m",
         "mesh_friction constant",
@@ -132,7 +132,7 @@ def test_info_prints_them_and_writes_them(tmp_path):
         assert words in text
     names = [figure["name"] for figure in json.loads((tmp_path / "i.json").read_text())["figures"]]
     assert "ratio" in names and "highest speed, not loaded" in names
-    assert "What follows" not in done("info", "polito_bench").stdout
+    assert "Derived quantities" not in done("info", "polito_bench").stdout
 
 
 def test_live_says_when_the_machine_is_too_slow():
@@ -143,7 +143,7 @@ def test_live_says_when_the_machine_is_too_slow():
     slow = shown_live.late_words(LiveResult(**kept, pace=0.5, elapsed=41.0), 1.0)
     assert "cannot keep real time" in slow and "20.0 s took 41.0 s" in slow and "drive.kind averaged" in slow
     late = shown_live.late_words(LiveResult(**kept, pace=3.0, elapsed=7.0), 5.0)
-    assert "fell behind the rate that was asked for: 4.0 s of playing took 7.0 s" in late
+    assert "could not keep the requested rate: 4.0 s of replay took 7.0 s" in late
 
 
 def test_compiling_is_told_once(caplog):

@@ -224,7 +224,7 @@ def test_a_table_without_time_is_read(tmp_path):
     assert done.returncode == 0, done.stderr
     assert load(tmp_path / "bags" / "curve").of_points
     shown = twin("info", "curve.csv", "--map", "curve_map.yaml", cwd=tmp_path).stdout
-    assert "8 operating points" in shown and "usual step" not in shown
+    assert "8 operating points" in shown and "sample period" not in shown
     text = (tmp_path / "curve_map.yaml").read_text().replace("operating_points: true\n", "")
     (tmp_path / "timeless.yaml").write_text(text)
     refused(

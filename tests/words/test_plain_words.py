@@ -42,5 +42,5 @@ def test_what_one_direction_cannot_tell_apart_is_said(stock, reverses):
     commands = ("ramp:0.05", "sine:0.02:0.5" if reverses else "ramp:0.1")
     driven = [parse_command(command) for command in commands]
     runs = [virtual_bench(loaded, one, 5.0, name=f"run {k}", seed=k) for k, one in enumerate(driven)]
-    said = [text for text in discover(runs, stock).warnings if "record a motion there and back" in text]
+    said = [text for text in discover(runs, stock).warnings if "record a motion in both directions" in text]
     assert len(said) == (0 if reverses else 1)

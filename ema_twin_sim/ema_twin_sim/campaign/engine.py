@@ -143,7 +143,7 @@ def run(client: Client, jobs: Iterable[Job], work: Work, lost: Callable[[Job, st
                 outcomes = future.result()
         except KilledWorker:
             if was_alone:
-                outcomes = [lost(batch[0], f"{DEATHS + 1} workers died over it")]
+                outcomes = [lost(batch[0], f"{DEATHS + 1} workers died on it")]
             else:
                 doubted += batch
                 outcomes = []

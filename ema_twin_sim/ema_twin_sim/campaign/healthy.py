@@ -26,7 +26,7 @@ class Healthy:
             return cls()
         if text.isdecimal():
             if int(text) < fewest:
-                raise InputError(f"--healthy {text}: so few results tell no scatter; give {fewest} or more")
+                raise InputError(f"--healthy {text}: too few results to estimate the scatter; give {fewest} or more")
             return cls(count=int(text))
         try:
             return cls(pattern=re.compile(text))

@@ -93,7 +93,8 @@ class Grouping:
             raise InputError(f"--unit {pattern}: is no regular expression ({error})") from None
         if "unit" not in compiled.groupindex or not {*compiled.groupindex} <= GROUPS:
             raise InputError(
-                f"--unit {pattern}: give one with a group (?P<unit>...), and (?P<time>...) or (?P<test>...) if you like"
+                f"--unit {pattern}: its groups are wrong; give (?P<unit>...) and, if useful, (?P<time>...) or "
+                "(?P<test>...)"
             )
         return cls(folder, compiled, together)
 
@@ -114,7 +115,7 @@ class Grouping:
         try:
             when = datetime.fromisoformat(found["time"])
         except ValueError:
-            raise InputError(f"{file}: {found['time']} is no time; write it as ISO 8601 does: 2026-03-31") from None
+            raise InputError(f"{file}: {found['time']} is not an ISO 8601 time; write it like 2026-03-31") from None
         return Place(found["unit"], when if when.tzinfo else when.replace(tzinfo=timezone.utc), test)
 
     def group(self, file: Path, unit: str) -> str:
@@ -169,7 +170,7 @@ def find_jobs(
     if not count:
         raise InputError(f"{grouping.folder}: holds no recording; give a folder with CSVs or .mcap files in it")
     if strays:
-        tell(f"{len(strays)} of {count} recordings match no unit of --unit and are left out, {strays[0]} first")
+        tell(f"{len(strays)} of {count} recordings do not match --unit and are left out; the first is {strays[0]}")
     if no_times:
         tell(f"{no_times[0]}: left out" + (f", as are {len(no_times) - 1} more" if len(no_times) > 1 else ""))
         if not of:

@@ -70,9 +70,11 @@ class Varied:
             low, high, count = np.nan, np.nan, 0
         fits = len(parts) in (1, 3) or logarithmic
         if not fits or "." not in path or not np.isfinite([low, high]).all() or low > high or count < 1:
-            raise InputError(f"--vary {text}: write it as backlash.width=0.0005:0.004:8, with :log for equal ratios")
+            raise InputError(
+                f"--vary {text}: write it like backlash.width=0.0005:0.004:8; append :log for logarithmic spacing"
+            )
         if logarithmic and low <= 0.0:
-            raise InputError(f"--vary {text}: equal ratios do not begin at {low:g}; begin above zero")
+            raise InputError(f"--vary {text}: logarithmic spacing cannot begin at {low:g}; begin above zero")
         return cls(path, low, high, count, logarithmic)
 
     def at(self, shares: np.ndarray) -> np.ndarray:
@@ -157,7 +159,7 @@ def with_settings(model: Model, settings: Sequence[tuple[str, float]]) -> tuple[
         elif owner in catalogue():
             lacked.setdefault(owner, {})[name] = value
         else:
-            raise InputError(f"--vary {path}: is no number of this model; {nearest(owner, tuple(catalogue()))}")
+            raise InputError(f"--vary {path}: unknown parameter of this model; {nearest(owner, tuple(catalogue()))}")
     for id, numbers in lacked.items():
         model = model.with_effect(id, numbers)
     return model, lacked

@@ -112,15 +112,15 @@ def learnt_from(runs: Sequence[RunFeatures]) -> Learnt:
         try:
             baseline = learn_from(kind)
         except InputError as error:
-            remarks.append(f"{kind[0].name} and {len(kind) - 1} others: no health is learnt from them: {error}")
+            remarks.append(f"{kind[0].name} and {len(kind) - 1} others cannot be the healthy reference: {error}")
             continue
         learnt.append((kind[0], baseline))
         remarks += baseline.warnings
     if not runs:
-        remarks.append("no recording is said to be healthy: its health is not judged; see --healthy")
+        remarks.append("no healthy recording is selected, so its health is not judged; see --healthy")
     elif not kinds:
         reason = next((finding for run in runs for finding in run.acquisition.findings), "")
-        remarks.append(f"none of its {len(runs)} healthy recordings can be read for its health: {reason}".rstrip(": "))
+        remarks.append(f"none of its {len(runs)} healthy recordings is usable: {reason}".rstrip(": "))
     return Learnt(tuple(learnt), tuple(remarks))
 
 

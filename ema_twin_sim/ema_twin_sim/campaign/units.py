@@ -112,13 +112,13 @@ def _remarks(rows: Sequence[Row]) -> Iterable[str]:
     done = [row for row in rows if row["status"] == DONE]
     motions = sorted({row["motion"] for row in done if row["motion"]})
     if len(motions) > 1:
-        yield f"has recordings of {listed(motions)} machines: name units apart with --unit"
+        yield f"has recordings of {listed(motions)} machines: separate the units with --unit"
     signals = {tuple(row["signals"] or ()) for row in done}
     if len(signals) > 1:
         most = max(signals, key=lambda held: sum(tuple(row["signals"] or ()) == held for row in done))
         odd = next(row for row in done if tuple(row["signals"] or ()) != most)
         apart = sorted({*most} ^ {*(odd["signals"] or ())})
-        yield f"{odd['name']} and others differ in what they hold ({listed(apart)}): their errors do not compare"
+        yield f"{odd['name']} and others have different signals ({listed(apart)}), so their errors cannot be compared"
     first_of: dict[str, str] = {}
     for row in done:
         for content in row["content"] or ():
@@ -132,6 +132,6 @@ def _remarks(rows: Sequence[Row]) -> Iterable[str]:
             yield f"{after['name']} begins before {before['name']} ends: one of their clocks is wrong"
             break
     if dated and len(dated) < len(done):
-        yield f"{len(done) - len(dated)} of {len(done)} results have no date: their order is that of their names"
+        yield f"{len(done) - len(dated)} of {len(done)} results have no date; they are sorted by name"
     if len({content for row in done for content in row["content"] or ()}) == 1:
-        yield "has one recording only: nothing tells how it changes"
+        yield "has only one recording, so changes cannot be detected"

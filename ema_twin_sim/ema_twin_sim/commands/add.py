@@ -26,7 +26,7 @@ def run(
     output: options.NewModel,
     set: Annotated[
         list[str] | None,
-        typer.Option("--set", metavar="NAME=VALUE", help="A parameter or option; what is not given takes its default."),
+        typer.Option("--set", metavar="NAME=VALUE", help="A parameter or option; those not given take their defaults."),
     ] = None,
     with_files: options.WithFiles = None,
     force: options.Force = False,
@@ -61,4 +61,4 @@ def run(
     for option, choice in instance.options.items():
         console.print(f"  {option} = {choice}")
     if own:
-        console.print(f"Whatever reads {output} needs the effect's file: --with {effect}", markup=False, soft_wrap=True)
+        console.print(f"Every command that reads {output} needs: --with {effect}", markup=False, soft_wrap=True)

@@ -20,12 +20,12 @@ SHAFTS = "motor", "output"
 
 
 _QUESTIONS = {
-    "time": "Column of the time, with its unit, as in 'time [s]'",
-    "current": "Column of the motor's current, as in 'current [A]' (empty: there is none)",
-    "motor_torque": "Column of the motor's torque or force, as in 'torque [Nm]' (empty: there is none)",
+    "time": "Name of the time column, with its unit, as in 'time [s]'",
+    "current": "Column of the motor's current, as in 'current [A]' (leave empty if there is none)",
+    "motor_torque": "Column of the motor's torque or force, as in 'torque [Nm]' (leave empty if there is none)",
     "motor_position": "Column of the motor's position, as in 'motor position [rad]'",
-    "speed": "Column of the motor's speed, as in 'speed [rpm]' (empty: there is none)",
-    "output_position": "Column of the output's position, as in 'output position [deg]' (empty: there is none)",
+    "speed": "Column of the motor's speed, as in 'speed [rpm]' (leave empty if there is none)",
+    "output_position": "Column of the output's position, as in 'output position [deg]' (leave empty if there is none)",
 }
 
 
@@ -43,9 +43,11 @@ def asked(given: Given) -> tuple[Guesses, Given]:
         raise InputError(f"init: a gear ratio of {ratio:g} is out of range; give {LEAST_RATIO:g} or more")
     shaft = given.shaft
     if shaft is None and ratio != 1.0 and "motor_position" in named:
-        shaft = str(_ask("Whose turns does the motor's position count, motor or output", SHAFTS[0])).strip().lower()
+        shaft = (
+            str(_ask("Does the motor's position count turns of the motor or of the output", SHAFTS[0])).strip().lower()
+        )
         if shaft not in SHAFTS:
-            raise InputError(f"init: '{shaft}' is no shaft; say {' or '.join(SHAFTS)}")
+            raise InputError(f"init: '{shaft}' is not a shaft; answer {' or '.join(SHAFTS)}")
     constant = given.torque_constant
     if constant is None and "current" in named:
         constant = float(_ask("Torque per ampere [N m/A], or force [N/A] (0: not known)", 0.0)) or None

@@ -30,7 +30,7 @@ ema-twin campaign recordings --model polito_bench -o results     (recordings/UNI
 
 ema-twin campaign tests --model press.yaml --map press -o results --do fit --unit "(?P<unit>EMA\\d+)_(?P<time>[\\d-]+)"
 
-ema-twin campaign tests --model press.yaml -o results --watch     (and each recording that comes)
+ema-twin campaign tests --model press.yaml -o results --watch     (also judges recordings that arrive later)
 
 ema-twin campaign rig --do health --map rig.yaml --wavelength 0.005 -o results     (no model; the lead is 5 mm)
 
@@ -72,7 +72,8 @@ def run(
         typer.Option(
             "--do",
             metavar="VERB",
-            help="What is done: compare, fit, diagnose or discover; or health, by a unit's own healthy recordings.",
+            help="What to do: compare, fit, diagnose or discover; or health (compare each recording with the unit's "
+            "own healthy ones).",
             autocompletion=_verbs,
         ),
     ] = "discover",
@@ -81,9 +82,8 @@ def run(
         typer.Option(
             "--unit",
             metavar="PATTERN",
-            help="Where in a recording's path its unit stands: a regular expression with (?P<unit>...) and, if the "
-            "path tells when it was recorded or in which test, (?P<time>...) and (?P<test>...). By default a unit is a "
-            "folder in FOLDER, and a test a folder in that.",
+            help="Regular expression for a recording's path with (?P<unit>...) and, optionally, (?P<time>...) and "
+            "(?P<test>...). By default a unit is a folder in FOLDER, and a test a folder in that.",
         ),
     ] = None,
     together: Annotated[
@@ -91,7 +91,7 @@ def run(
         typer.Option(
             "--together",
             metavar="WHAT",
-            help="What is judged together: each recording by itself, those of a folder, or those of a unit.",
+            help="What to judge together: recording (each alone), folder (all in a folder) or unit (all of a unit).",
             autocompletion=_together,
         ),
     ] = "recording",
@@ -103,18 +103,18 @@ def run(
             "--wavelength",
             metavar="M|RAD",
             parser=options.number(1e-9, options.LARGEST, "m or rad"),
-            help="With --do health: the travel after which the machine repeats itself, such as the lead of a screw; by "
-            "default one turn of a rotary machine's motor.",
+            help="With --do health: travel after which the machine repeats, such as the lead of a screw; by default "
+            "one turn of a rotary machine's motor.",
         ),
     ] = None,
     workers: options.Workers = options.CORES,
     scheduler: options.Scheduler = None,
-    watch: Annotated[bool, typer.Option("--watch", help="Go on with recordings that come, until Ctrl-C.")] = False,
+    watch: Annotated[bool, typer.Option("--watch", help="Keep judging new recordings, until Ctrl-C.")] = False,
 ) -> None:
-    """Judge every recording of many units, on all cores or a cluster; done once, a recording is not judged again.
+    """Judge every recording of many units, on all cores or a cluster. A recording that has a result is skipped.
 
-    A campaign that was interrupted goes on where it was. A recording that cannot be judged is told, and stops nothing.
-    RESULTS holds Parquet files, which pandas, polars and DuckDB read as they are.
+    An interrupted campaign continues where it stopped. A recording that cannot be judged is reported, and the others go
+    on. RESULTS holds Parquet files, which pandas, polars and DuckDB can read.
     """
     from ema_bench_replay.configuration import find_configuration
 
@@ -126,13 +126,13 @@ def run(
     from ..model.model_file import model_files
 
     if do not in VERBS:
-        raise InputError(f"--do {do}: is not known; give {', '.join(VERBS[:-1])} or {VERBS[-1]}")
+        raise InputError(f"--do {do}: unknown; choose {', '.join(VERBS[:-1])} or {VERBS[-1]}")
     if model is not None:
         load_model(model)
     elif do != HEALTH:
         raise InputError(f"--do {do}: needs a model; give one with --model, or --do {HEALTH}")
     if do == HEALTH and together != APART:
-        raise InputError(f"--together {together}: health is told of each recording by itself; leave it out")
+        raise InputError(f"--together {together}: health judges each recording alone; leave --together out")
     task = Task(
         do,
         "" if model is None else str(model_files(model)[0].resolve()),
@@ -182,7 +182,7 @@ def _waiting(grouping: Grouping, task: Task, store: Store, known: set[str], tell
     settled = store.settled()
     waiting = [job for job in jobs if job.key not in settled and job.key not in known]
     if len(waiting) < len(jobs) and not known:
-        say(f"{len(jobs) - len(waiting)} of {len(jobs)} are judged already and stay as they are.")
+        say(f"{len(jobs) - len(waiting)} of {len(jobs)} already have results and are skipped.")
     return waiting
 
 
@@ -229,8 +229,8 @@ def _tell(counts: Counter[str], output: Path) -> None:
         refused, failed = counts["refused"], counts["failed"]
         told = [f"{counts['done']} judged"]
         told += [f"{refused} refused"] if refused else []
-        told += [f"{failed} failed, which the next run tries again"] if failed else []
+        told += [f"{failed} failed; run the command again to retry them"] if failed else []
         say(f"{', '.join(told)}.")
     else:
         say("Nothing is left to do.")
-    say(f"{output} holds the results. See every unit:\n  ema-twin units {quote(str(output))}")
+    say(f"Results are in {output}. To list the units:\n  ema-twin units {quote(str(output))}")

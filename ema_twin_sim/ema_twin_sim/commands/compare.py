@@ -33,7 +33,7 @@ def run(
     force: options.Force = False,
     json: options.JsonFile = None,
 ) -> None:
-    """Compare models with recordings: RMSE per signal beside the sensors' noise floor, and where the model fails."""
+    """Compare models with recordings: RMSE per signal next to the sensors' noise floor, and where the model fails."""
     from ..comparison.closeness import closer
     from ..comparison.compare import compare_all
     from ..model import load_model
@@ -67,8 +67,8 @@ def run(
 
 
 def _tell(done: Counted, model: str, recording: str) -> None:
-    done(f"{model} beside {recording}")
+    done(f"{model}, {recording}")
 
 
 def _tell_within(done: Counted, model: str, recording: str, share: float) -> None:
-    done.within(f"{model} beside {recording}", share)
+    done.within(f"{model}, {recording}", share)

@@ -40,12 +40,15 @@ MARKER = ".ema-twin-demo"
 
 
 def run(
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for what the demo makes.")
-    ] = Path("demo"),
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Output folder of the demo.")] = Path(
+        "demo"
+    ),
     rate: options.Rate = 1.0,
 ) -> None:
-    """Show the loop: a model misses its bench, discover finds why, live the error falls. Replaces what a demo left."""
+    """Run the whole loop: compare a model with recordings, find the missing effects, switch them on live.
+
+    Overwrites an earlier demo.
+    """
     from ema_bench_replay.bags.bag_reader import read_bag
     from ema_bench_replay.bags.bag_writer import write_bag
     from ema_bench_replay.configuration import checkout
@@ -76,7 +79,7 @@ def run(
     for recording in recordings:
         console.print(f"  {recording.name}: {len(recording)} samples, {recording.duration:.1f} s")
 
-    _chapter("2", "The stock model misses it", "ema-twin compare … --model polito_bench")
+    _chapter("2", "The stock model does not match it", "ema-twin compare … --model polito_bench")
     stock = load_model("polito_bench")
     noise = noise_of(recordings, stock)
     before = compare(recordings, stock, noise=noise)
@@ -99,7 +102,7 @@ def run(
     )
     rrd = output / "live.rrd"
     view = LiveView(RerunView(rrd, "ema-twin demo", noise, model=stock))
-    view.tell(0.0, "the stock model beside the bench")
+    view.tell(0.0, "stock model and bench")
     say(LINES_ARE)
     printer = ErrorPrinter(noise, played)
     printer.watchers.append(view.take)
@@ -120,7 +123,7 @@ def run(
     if result.interrupted:
         raise KeyboardInterrupt
     if result.unrecorded:
-        warn(f"{output / 'live'}: the recording is not whole: {result.unrecorded}")
+        warn(f"{output / 'live'}: the recording is incomplete: {result.unrecorded}")
     if not result.complete:
         counts = ", ".join(f"{name} {count}" for name, count in result.counts.items())
         raise InputError(
@@ -129,8 +132,8 @@ def run(
 
     _chapter("5", "The error falls", "ema-twin fit … --model better.yaml -o fitted.yaml, and compare all three")
     say(
-        "Three models: polito_bench as it came; better.yaml, which has what was found; and fitted.yaml, the same with "
-        "every number fitted to the simulated loop, to see whether that brings the current any nearer.\n"
+        "Three models: polito_bench unchanged; better.yaml with the effects found; and fitted.yaml, the same with all "
+        "parameters fitted to the simulated loop, to see whether that reduces the current's error further.\n"
     )
     better = load_model(better_file)
     after = compare(recordings, better, noise=noise)
@@ -145,15 +148,15 @@ def run(
     falls = " to ".join(quantity(error["current"]["rmse"], "A") for error in errors[:2])
     floor = quantity(errors[0]["current"]["noise_floor"], "A")
     say(
-        f"\nThe current's error fell from {falls} with what was found; the sensors' noise is {floor}. "
+        f"\nWith the effects found, the current's error fell from {falls}; the sensors' noise is {floor}. "
         f"{fit_sentences(errors[1], errors[2], ['current'], fit)}",
         style="bold",
     )
 
     page = output / "demo.html"
     story = (
-        f"A twin of the Politecnico di Torino bench beside {len(recordings)} recordings of a virtual bench (another "
-        "program's simulation of it, sensors and noise included) that hides two effects. Nobody told the search which."
+        f"A twin of the Politecnico di Torino bench and {len(recordings)} recordings of a virtual bench (another "
+        "program's simulation of it, sensors and noise included) with two hidden effects. The search was not told."
     )
     views = output / "found.rrd"
     with status() as progress:
@@ -176,11 +179,11 @@ def run(
     _chapter("6", "Look at it", f"{time.perf_counter() - begin:.0f} s")
     for note in notes:
         say(f"  {note}")
-    console.print(f"  {page}   the report: the models beside the recordings; in any browser")
-    console.print(f"  {views}   the same as views, and the gear train turning: .venv/bin/rerun {views}")
+    console.print(f"  {page}   the report: models and recordings compared; open it in any browser")
+    console.print(f"  {views}   the same as rerun views, with the turning gear train: .venv/bin/rerun {views}")
     console.print(f"  {rrd}   the live run: .venv/bin/rerun {rrd}")
     console.print(f"  {output / 'live'}   MCAP of all topics, for Foxglove, PlotJuggler or ros2 bag")
-    console.print(f"  {better_file}   the model with what was found; {fitted_file}: the same, all its numbers fitted")
+    console.print(f"  {better_file}   the model with the effects found; {fitted_file}: the same, all parameters fitted")
     console.print("\nNow your own machine, from its CSVs (docs/tutorial_own_recordings.md):")
     console.print("  .venv/bin/ema-twin init YOUR_*.csv -o mine --torque-constant N_M_PER_A")
     console.print("  .venv/bin/ema-twin discover YOUR_*.csv --map mine_map.yaml --model mine.yaml -o found.yaml")
@@ -194,7 +197,7 @@ def _prepare(output: Path) -> None:
 
     try:
         if output.is_dir() and any(output.iterdir()) and not (output / MARKER).is_file():
-            raise InputError(f"{output}: holds files that no demo made (no {MARKER}); choose another folder with -o")
+            raise InputError(f"{output}: is not a demo's folder (it has no {MARKER}); choose another folder with -o")
         output.mkdir(parents=True, exist_ok=True)
         (output / MARKER).write_text("The next ema-twin demo replaces what is in this folder.\n")
         shutil.rmtree(output / "live", ignore_errors=True)

@@ -51,10 +51,10 @@ def run(
     force: options.Force = False,
     json: options.JsonFile = None,
 ) -> None:
-    """Rank the effects that a model may lack: how likely each is, and how much of the error it takes away.
+    """Rank the effects that a model may lack: how likely each is, and how much of the error it removes.
 
-    Several effects may be missing at once: each has the probability that it is. Nothing is written but what you ask
-    for: discover writes the model that has them.
+    Several effects may be missing at once; each has its own probability. diagnose writes no model: use discover for
+    that.
     """
     from .inputs import input_files, refuse_evidence, refuse_existing, refuse_inputs
     from .judged import read_judged, warn_of, write_evidence_bag, write_findings
@@ -80,7 +80,7 @@ def run(
         if rrd is not None:
             progress("writing the views")
             both = (given.model, found.model)
-            labels = (given.model.name, "with what was found")
+            labels = (given.model.name, "with the effects found")
             tabs = write_rrd(rrd, given.recordings, both, labels, findings_of(found, diagnosis), force=force)
     say(verdict_of(found, without=given.without), style="bold")
     show(diagnosis)
@@ -115,10 +115,10 @@ def show(diagnosis: Diagnosis) -> None:
     console.print(table)
     if diagnosis.ranking:
         say(
-            "Probability: how sure it is that the effect is missing; several may be missing at once. Error removed: "
-            "the share of the error above the sensors' noise that goes, on data not fitted to, with this effect beside "
-            f"all others that were found; discover's steps count one after another. {surest_sentence()}"
-            + (f" {left_out} more of probability 0 are left out (--json has them)." if left_out else ""),
+            "Probability: that this effect is missing; several may be missing at once. Error removed: share of the "
+            "error above the sensors' noise that this effect removes in addition to all others found, on data not used "
+            f"for fitting (discover counts its steps one after another). {surest_sentence()}"
+            + (f" {left_out} more with probability 0 are not listed (they are in --json)." if left_out else ""),
             style="dim",
         )
     show_doubts(diagnosis.groups, diagnosis.next_recording)

@@ -45,7 +45,7 @@ def run(
         names = [first, second]
     differences = list(_differences(*models))
     if not differences:
-        say(f"{names[0]} and {names[1]} are alike.")
+        say(f"{names[0]} and {names[1]} are identical.")
     else:
         table = ReportTable()
         table.words("what", *map(escape, names))
@@ -88,7 +88,7 @@ def _effects(model: Model) -> dict[str, str]:
         for parameter, value in instance.parameters.items():
             words.append(f"{parameter} {_with_unit(value, model.parameter_unit(instance.effect, parameter))}")
         words += ([] if instance.enabled else ["off"]) + (["open"] if instance.open else [])
-        found[name] = ", ".join(words) or "there"
+        found[name] = ", ".join(words) or "present"
     return found
 
 

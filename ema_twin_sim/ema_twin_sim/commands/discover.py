@@ -91,11 +91,11 @@ def run(
     shown: list[str | Path] = [model, output] if is_new else [model]
     console.print(f"  {compare_command(runs, shown, with_files or (), import_map)}", markup=False, soft_wrap=True)
     if evidence is not None:
-        axis = "; points over their position, a second for each radian" if given.recordings[0].of_points else ""
-        told = f"  rerun {quote(str(evidence))}     (what each step left over{axis})"
+        axis = "; operating points are drawn over position, 1 s per radian" if given.recordings[0].of_points else ""
+        told = f"  rerun {quote(str(evidence))}     (residuals of each step{axis})"
         console.print(told, markup=False, soft_wrap=True)
     if report is not None:
-        console.print(f"  {report}     (before and after, to be sent)", markup=False, soft_wrap=True)
+        console.print(f"  {report}     (HTML report, before and after)", markup=False, soft_wrap=True)
     if rrd is not None:
         tell_of_rrd(rrd, tabs)
     write_findings(json, found.as_json(), found)
@@ -104,8 +104,8 @@ def run(
 def _written(output: Path, model: str, *, is_new: bool) -> list[str]:
     """A line that says what the written model is and introduces the command printed below it."""
     if is_new:
-        return [f"\n{output} is the new model. See how far off it is:"]
-    return [f"\n{output} is the same as {model}: no effect was found that improves it. See where it fails:"]
+        return [f"\n{output} is the new model. To see its errors:"]
+    return [f"\n{output} equals {model}: no effect was found that improves it. To see where it fails:"]
 
 
 def compare_command(

@@ -33,7 +33,7 @@ def run(
     with_files: options.WithFiles = None,
     json: options.JsonFile = None,
 ) -> None:
-    """List the catalogue of physical effects: equation, parameters with units and bounds, what they look like."""
+    """List the catalogue of physical effects: equation, parameters with units and bounds, signature in the residual."""
     from ..effects import catalogue, find_effect
     from .inputs import refuse_inputs, write_json
 
@@ -48,7 +48,7 @@ def run(
         _show_one(chosen[0], files.get(id, id))
     else:
         table = ReportTable()
-        table.words("effect", "equation", "parameters", "what a residual shows")
+        table.words("effect", "equation", "parameters", "signature in the residual")
         for effect in chosen:
             parameters = ", ".join(f"{p.name} [{p.unit}]" for p in effect.parameters)
             table.add_row(effect.id, *map(escape, (effect.equation, parameters, effect.signature)))
@@ -90,7 +90,7 @@ def _show_one(effect: Effect, name: str | Path) -> None:
     table = ReportTable()
     table.words("parameter", "unit")
     table.numbers("default")
-    table.words("possible", "meaning")
+    table.words("range", "meaning")
     for p in effect.parameters:
         possible = range_words(p.lower, p.upper)
         table.add_row(p.name, escape(p.unit), f"{p.default:g}", possible, escape(p.description))

@@ -18,7 +18,7 @@ ema-twin export recordings/BancoEMA_ramp_0.05 -o ramp.CSV
 
 ema-twin export recordings/BancoEMA_ramp_0.05 -o ramp.parquet
 
-CSV is the drive's own format (an imported trace comes out as it went in, but repaired); Parquet holds SI values."""
+CSV is the drive's own format (an imported trace is written back unchanged, but repaired); Parquet holds SI values."""
 
 
 def run(

@@ -30,17 +30,21 @@ def run(
         str | None,
         typer.Option(
             "--method",
-            help="equation (the torque that the measured motion needs) or simulation (the closed loop beside each "
-            "recording); by default simulation, but equation where the current drives the twin.",
+            help="equation (fit the torque that the measured motion needs) or simulation (simulate the closed loop of "
+            "each recording); by default simulation, or equation if the current drives the twin.",
         ),
     ] = None,
     free: Annotated[
         list[str] | None,
-        typer.Option("--free", metavar="PATH", help="A number to fit besides effects and inertias. May be repeated."),
+        typer.Option(
+            "--free",
+            metavar="PATH",
+            help="Another parameter to fit, in addition to effects and inertias. May be repeated.",
+        ),
     ] = None,
     fix: Annotated[
         list[str] | None,
-        typer.Option("--fix", metavar="PATH", help="A number, or an effect, to hold as it is. May be repeated."),
+        typer.Option("--fix", metavar="PATH", help="Parameter or effect to keep fixed. May be repeated."),
     ] = None,
     input: options.Input = None,
     with_files: options.WithFiles = None,
@@ -51,10 +55,10 @@ def run(
     force: options.Force = False,
     json: options.JsonFile = None,
 ) -> None:
-    """Fit the numbers of a model to recordings, with standard errors, and write the model that has them.
+    """Fit the parameters of a model to recordings, with standard errors, and write the fitted model.
 
-    Free are the parameters of its effects, and its inertias within their tolerances. The errors before and after are
-    those on recordings (or a last third) that the numbers were not fitted to.
+    Fits the parameters of the model's effects, and its inertias within their tolerances. The errors before and after
+    are from recordings (or the last third of a single one) that were not used for fitting.
     """
     from ..model import load_model, save_model
     from ..model.model_file import check_model_name

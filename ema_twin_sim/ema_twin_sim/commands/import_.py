@@ -34,7 +34,7 @@ def run(
     import_map: options.ImportMap = "siemens",
     topic: Annotated[
         str | None,
-        typer.Option("--topic", metavar="TOPIC", help="The states to take of a bag that holds those of several rigs."),
+        typer.Option("--topic", metavar="TOPIC", help="Topic of the states to import, if a bag holds several rigs."),
     ] = None,
     strict: options.Strict = False,
     force: options.Force = False,
@@ -108,11 +108,11 @@ def _check_files(files: list[Path], topic: str | None) -> None:
     for file in files:
         if topic is not None:
             if not file.is_dir() and file.suffix.lower() != ".mcap":
-                raise InputError(f"{file}: is no bag, and has no topics; leave --topic out")
+                raise InputError(f"{file}: is not a bag and has no topics; leave --topic out")
         elif file.is_dir():
             raise InputError(f"{file}: is a folder; give its traces: {file}/*.CSV")
         elif file.suffix.lower() == ".mcap":
-            raise InputError(f"{file}: is a recording already; compare and live take it as it is")
+            raise InputError(f"{file}: is already a recording; use it directly with compare or live")
         if file.stem in stems:
             raise InputError(
                 f"{file}: has the same name as {stems[file.stem]}; import one of them to another folder (-o)"

@@ -33,7 +33,7 @@ def run(
     import_map: options.ImportMap = "siemens",
     json: options.JsonFile = None,
 ) -> None:
-    """Show what a recording holds (signals, gaps, where it came from) or what a model is made of."""
+    """Show the contents of a recording (signals, gaps, origin) or of a model."""
     from ema_bench_replay.configuration import configuration_names
 
     from .inputs import refuse_inputs
@@ -61,7 +61,7 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
         say(f"[bold]{name}[/bold]: {held}", markup=True)
         table = ReportTable()
         table.words("signal")
-        table.numbers("least", "mean", "greatest")
+        table.numbers("min", "mean", "max")
         signals = {}
         for name, values in recording.signals.items():
             unit = signal_unit(name, recording.motion)
@@ -71,7 +71,7 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
             signals[name] = {"unit": unit, **numbers}
         console.print(table)
         if not points:
-            say(f"usual step {quantity(recording.sample_period, 's')}; {len(recording.gaps)} gap(s)")
+            say(f"sample period {quantity(recording.sample_period, 's')}; {len(recording.gaps)} gap(s)")
         for key, value in recording.metadata.items():
             if "\n" not in value and len(value) < 200:
                 say(f"  {key}: {value}")
@@ -164,7 +164,7 @@ def _show_model(name: str, with_files: list[Path], json: Path | None) -> None:
 
 
 def _figures(found: Sequence[Figure]) -> ReportTable:
-    table = ReportTable("\nWhat follows from them")
+    table = ReportTable("\nDerived quantities")
     table.words("figure")
     table.numbers("value", justify="left")
     table.words("note")

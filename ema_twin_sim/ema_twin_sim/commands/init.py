@@ -44,7 +44,9 @@ ema-twin init -o press      (asks which columns your traces have)"""
 def run(
     output: Annotated[
         str,
-        typer.Option("-o", "--output", metavar="NAME", help="Writes NAME_map.yaml and NAME.yaml; may hold a folder."),
+        typer.Option(
+            "-o", "--output", metavar="NAME", help="Writes NAME_map.yaml and NAME.yaml; may include a folder."
+        ),
     ],
     traces: Annotated[
         list[Path] | None,
@@ -68,18 +70,19 @@ def run(
     ] = None,
     import_map: Annotated[
         str | None,
-        typer.Option("--map", metavar="MAP", help="An import map that is right already: only the model is written."),
+        typer.Option("--map", metavar="MAP", help="An existing import map; only the model is written."),
     ] = None,
     operating_points: Annotated[
-        bool, typer.Option("--operating-points", help="Each row is a point: at rest, or at a constant speed.")
+        bool,
+        typer.Option("--operating-points", help="Each row is an operating point: at rest, or at constant speed."),
     ] = False,
     force: options.Force = False,
 ) -> None:
-    """Write a first import map and a first model of a machine that is new here, from its recordings.
+    """Draft an import map and a model of a new machine from its recordings.
 
-    Columns are known by their names and units; units that no name tells, the gear ratio, the encoders' counts and the
-    drive's gains are found from the numbers. What could not be found is marked CHECK in both files: look at these lines
-    before you believe a result.
+    Columns are recognised by their names and units. Missing units, the gear ratio, the encoders' counts and the drive's
+    gains are estimated from the data. What could not be determined is marked CHECK in both files: check these lines
+    before you trust a result.
     """
     from ema_bench_replay.configuration import find_configuration
 
@@ -118,7 +121,7 @@ def run(
             if guess.column not in drafts.left_out:
                 say(f"{guess.column} → {guess.signal}{in_unit(guess)}")
         for column in drafts.left_out:
-            say(f"{column}: the drive's torque does not follow it, so it is not the load: not used")
+            say(f"{column}: not used as the load, because the drive's torque does not follow it")
         warn_of_foreign_units(guesses)
         joint = (guesses.joint.sentence,) if guesses.joint.number else ()
         say_what_it_rests_on(files[1], (*joint, *assumed_units(guesses), *drafts.assumed))
@@ -136,7 +139,7 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
     from ..new_machine.shaft import Shaft
 
     if not traces:
-        raise InputError("init: --map reads recordings; name one, or leave --map out to be asked")
+        raise InputError("init: --map needs a recording; give one, or leave --map out to answer questions")
     recordings = [load(trace, import_map=map_file) for trace in traces]
     shaft = Shaft(recordings[0].metadata.get(f"motor_position{AT}", "motor"), given.gear_ratio)
     model = checked_model(recordings, given, shaft)
@@ -176,7 +179,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     try:
         guesses = with_kind_of_rows(guesses, numbers, of_points)
     except InputError as error:
-        raise InputError(f"{trace}: header: none of {', '.join(table.header)[:200]} is the time, and {error}") from None
+        raise InputError(f"{trace}: header: no time column among {', '.join(table.header)[:150]}; {error}") from None
     guesses = with_units(*counted_on_turns(guesses, numbers), gear_ratio)
     rows = len(table.columns[0])
     empty = frozenset(name for name, count in no_numbers.items() if count == rows)
@@ -184,14 +187,14 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     for name, count in no_numbers.items():
         if not name and count == rows:
             continue  # the empty column that a delimiter at the end of each line makes
-        said = f"{name or 'a column without a name'}: {count} of {rows} cells hold no number: not used"
+        said = f"{name or 'a column without a name'}: {count} of {rows} cells hold no number, so it is not used"
         if any(guess.column == name for guess in holed):
             first = int(np.flatnonzero(np.isnan(numbers[name]))[0]) + 1
-            said += f"; to have it read, remove the rows that lack it (the first is row {first} of the numbers)"
+            said += f"; to use it, remove the rows without a value (the first is data row {first})"
         say(said)
     if not guesses.signals:
         raise InputError(
-            f"{trace}: header: none of {', '.join(table.header)[:200]} tells what it is; rename its columns, as in "
+            f"{trace}: header: no column recognised among {', '.join(table.header)[:150]}; rename them, as in "
             "'time [s]', 'current [A]', 'motor position [rad]' (a Siemens drive's trace needs no map: leave init out)"
         )
     return guesses, holed

@@ -46,7 +46,9 @@ def load_runs(
         if start is not None or end is not None:
             recording = recording.between(start, end)
         if len(recording) < least:
-            raise InputError(f"{file}: {len(recording)} sample(s) of it are too few; give or leave {least} or more")
+            raise InputError(
+                f"{file}: {len(recording)} sample(s) are too few; give at least {least} (check --from and --to)"
+            )
         recordings.append(recording)
     names = _told_apart([recording.name for recording in recordings], files)
     return [replace(recording, name=name) for recording, name in zip(recordings, names, strict=True)]
@@ -106,7 +108,7 @@ def _each_once(files: Sequence[Path]) -> list[Path]:
         if {held.setdefault(bag.resolve(), k) for bag in bags} != {k}:
             twice.add(k)
     if twice:
-        warn(f"given more than once, taken once: {', '.join(dict.fromkeys(str(files[k]) for k in sorted(twice)))}")
+        warn(f"given more than once, used once: {', '.join(dict.fromkeys(str(files[k]) for k in sorted(twice)))}")
     return [file for k, file in enumerate(files) if k not in twice]
 
 
@@ -146,7 +148,7 @@ def _refuse_unwritable(output: Path) -> None:
         tempfile.TemporaryFile(dir=folder).close()  # if it is a file, the reason given is that it is no folder
     except OSError as error:
         reason = error.strerror or error
-        raise InputError(f"{output}: cannot be written ({reason}); give a place that you may write to") from None
+        raise InputError(f"{output}: cannot be written ({reason}); choose a folder with write permission") from None
 
 
 def refuse_existing(force: bool, *outputs: Path | None) -> None:

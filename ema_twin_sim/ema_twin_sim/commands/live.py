@@ -40,7 +40,7 @@ def run(
     model: options.ModelName = "polito_bench",
     input: options.Input = None,
     rate: options.Rate = 1.0,
-    loop: Annotated[bool, typer.Option("--loop", help="Begin again after the last sample, until q or Ctrl-C.")] = False,
+    loop: Annotated[bool, typer.Option("--loop", help="Repeat the recording until q or Ctrl-C.")] = False,
     headless: Annotated[bool, typer.Option("--headless", help="No viewer.")] = False,
     web: Annotated[bool, typer.Option("--web", help="The viewer in a browser, served on this machine only.")] = False,
     rrd: Annotated[Path | None, typer.Option("--rrd", metavar="FILE", help="Write a rerun recording.")] = None,
@@ -52,7 +52,7 @@ def run(
         typer.Option(
             metavar="BYTES",
             parser=options.number(1.0, 1e18, "bytes"),
-            help="With --record: the next file begins where one has this size.",
+            help="With --record: start a new file at this size.",
         ),
     ] = None,
     max_bag_duration: Annotated[
@@ -60,27 +60,27 @@ def run(
         typer.Option(
             metavar="S",
             parser=options.number(0.1, options.LARGEST, "s"),
-            help="With --record: a file spans this long at most, then the next begins.",
+            help="With --record: start a new file after this time.",
         ),
     ] = None,
     results: Annotated[
         Path | None,
         typer.Option(
             metavar="RESULTS",
-            help="Judge the health of the unit that runs beside its healthy recordings: the folder that campaign "
-            "--do health wrote.",
+            help="Judge the running unit against its healthy recordings; RESULTS is the folder that campaign --do "
+            "health wrote.",
         ),
     ] = None,
     unit: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="With --results: which of their units runs; needed where they hold several."),
+        typer.Option(metavar="NAME", help="With --results: the running unit; required if they hold several."),
     ] = None,
     healthy: Annotated[
         str | None,
         typer.Option(
             metavar="N|PATTERN",
-            help="With --results: which of its recordings are healthy, as units --healthy has it; by default the "
-            "first third.",
+            help="With --results: which of its recordings are healthy (same syntax as units --healthy); by default "
+            "the first third.",
         ),
     ] = None,
     judged_after: Annotated[
@@ -88,12 +88,12 @@ def run(
         typer.Option(
             metavar="S",
             parser=options.number(1.0, 3600.0, "s"),
-            help="With --results: a run that goes on is judged each time by its last S seconds; 60 unless given.",
+            help="With --results: judge a continuing run every S seconds by its last S seconds; 60 by default.",
         ),
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="MODEL", help="Write the model that the twin ends with."),
+        typer.Option("--output", "-o", metavar="MODEL", help="Write the twin's final model."),
     ] = None,
     with_files: options.WithFiles = None,
     import_map: options.ImportMap = "siemens",
@@ -103,11 +103,11 @@ def run(
     force: options.Force = False,
     json: options.JsonFile = None,
 ) -> None:
-    """Replay a recording beside the twin and the monitor as ROS 2 nodes, in real time, until every sample is compared.
+    """Replay a recording with twin and monitor as ROS 2 nodes, in real time, until every sample is compared.
 
-    The nodes publish /bench/state, /twin/state, /monitor/residual and /monitor/health; what they end with is what
-    compare gives for the same recording and model. With --results they judge the unit's health, too. On a terminal, d
-    asks which effect the model lacks beside what was played so far, a adds what was found to the running twin, q ends.
+    The nodes publish /bench/state, /twin/state, /monitor/residual and /monitor/health; the final errors are those that
+    compare gives for the same recording and model. With --results they also judge the unit's health. Keys on a
+    terminal: d diagnoses which effect the model lacks so far, a adds the effects found to the running twin, q quits.
     """
     from ema_bench_replay.recording import refuse_points
 
@@ -147,9 +147,9 @@ def run(
     if recording is not None and driving is not None:
         refuse_recording_beyond_link(found, recording, driving)
     if record is None and (max_bag_size is not None or max_bag_duration is not None):
-        raise InputError("--max-bag-size and --max-bag-duration split what --record writes; give --record DIR")
+        raise InputError("--max-bag-size and --max-bag-duration need --record; give --record DIR")
     if results is None and (unit, healthy, judged_after) != (None, None, None):
-        raise InputError("--unit, --healthy and --judged-after choose what of --results is judged by; give --results")
+        raise InputError("--unit, --healthy and --judged-after need --results; give --results RESULTS")
     watched = None if results is None else HealthAsked(results, unit or "", healthy or "", judged_after)
     replaced = _check_outputs(rrd, record, force)
     if recording is None:
@@ -192,13 +192,13 @@ def run(
         write_json(json, as_json(result))
         if output is not None and result.twin is not None:
             save_model(result.twin, output, force=force)
-            say(f"{output} is the twin as it ended: ema-twin diff {model} {output} tells what changed.")
+            say(f"{output} is the twin's final model; ema-twin diff {model} {output} shows the changes.")
         for warning in result.warnings:
             warn(warning)
     if rrd is not None:
         tell_of_rrd(rrd, ("the live run",))
     if result.unrecorded:
-        raise InputError(f"{record}: the recording is not whole: {result.unrecorded}")
+        raise InputError(f"{record}: the recording is incomplete: {result.unrecorded}")
     if loop or recording is None or stop.is_set():  # such a run has no end of its own
         return
     if result.interrupted:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..nodes.monitor import MonitorNode
     from .live_view import LiveView
 
-_HINT = "Keys: d which effect is missing?   a add what was found   q end"
+_HINT = "Keys: d diagnose   a add the effects found   q quit"
 _SHOWN = 3
 """Number of a diagnosis's effects that are printed."""
 _LOOK = 0.2
@@ -92,7 +92,7 @@ class Keys:
                 self.press(os.read(0, 1).decode(errors="replace"))
 
     def _diagnose(self) -> None:
-        say("Looking for what the model lacks: this takes some seconds …", style="cyan")
+        say("Diagnosing; this takes some seconds …", style="cyan")
         try:
             found = self._services().diagnose()
         except (InputError, RuntimeError) as error:  # RuntimeError also from rclpy, if the run ends meanwhile
@@ -109,16 +109,16 @@ class Keys:
         try:
             words = self._services().apply([])
         except NotDiagnosed:
-            say("Nothing added: press d first, which looks for what is missing.", style="yellow")
+            say("Nothing to add yet: press d to diagnose first.", style="yellow")
             return
         except (InputError, RuntimeError) as error:  # RuntimeError also from rclpy, if the run ends meanwhile
             say(f"Nothing added: {error}", style="yellow")
             return
         say(f"Added to the running twin: {words}. Watch the error fall.", style="bold green")
         if self._output:
-            say(f"At the end, {self._output} will hold it.", style="green")
+            say(f"It will be written to {self._output} at the end of the run.", style="green")
         else:
-            say("This run keeps it nowhere: live with -o NEW does.", style="green")
+            say("It will not be saved: start live with -o NEW to save it.", style="green")
         self._tell(f"added: {words}")
 
     def _beyond(self) -> dict[str, float]:
@@ -144,20 +144,20 @@ def told(found: Diagnosis, beyond: Mapping[str, float]) -> list[str]:
     effects = [entry for entry in found.ranking if entry.found]
     names = " and ".join(effect_words(entry.id) for entry in effects)
     if found.verdict == "none" and beyond:
-        first = f"No effect is missing that these samples could show, but {beyond_words(beyond)}."
+        first = f"These samples show no missing effect, but {beyond_words(beyond)}."
     elif found.verdict == "none":
-        first = "Nothing is missing: the twin follows the bench to its sensors' noise."
+        first = "Nothing is missing: all errors are within the sensors' noise."
     elif found.verdict == "unknown":
         first = "Something is missing that no effect of the catalogue explains."
     else:
         first = f"Missing: {names}."
-    lines = [f"{first} (judged from {found.window:.0f} s)"]
+    lines = [f"{first} (based on {found.window:.0f} s)"]
     shown = [entry for entry in found.ranking[:_SHOWN] if entry.found or entry.probability > 0.0]
     lines += [f"  {_line(entry)}" for entry in shown]
     if effects:
         lines.append(f"Press a to add {'them' if len(effects) > 1 else 'it'} to the running twin.")
     if found.next_recording:
-        lines.append(f"To be surer, record {found.next_recording}")
+        lines.append(f"To confirm, record {found.next_recording}")
     # leave out ALONE, which asks for more recordings: a live run has only one
     return [*lines, *(warning for warning in found.warnings if warning not in ALONE)]
 
@@ -166,5 +166,5 @@ def _line(entry: Effect) -> str:
     numbers = zip(entry.parameter, entry.value, entry.std, entry.unit, strict=True)
     words = ", ".join(f"{name} {estimate(value, std, unit)}" for name, value, std, unit in numbers)
     likely = f"{100.0 * entry.probability:.0f} % likely"
-    removed = "" if math.isnan(entry.error_removed) else f", takes away {100.0 * entry.error_removed:.0f} %"
+    removed = "" if math.isnan(entry.error_removed) else f", removes {100.0 * entry.error_removed:.0f} %"
     return f"{effect_words(entry.id)}: {likely}{removed} ({words})"

@@ -88,7 +88,7 @@ def open_view(
     if not headless and web is None:
         if reason := why_not_shown():
             instead = "give --web or --rrd FILE" if rrd is None else f"{rrd} is written instead"
-            console.print(f"The viewer stays closed, {reason}: {instead}.", style="dim", markup=False)
+            console.print(f"The viewer is not opened because {reason}: {instead}.", style="dim", markup=False)
         elif sink := open_live_viewer():
             into.append(sink)
         else:

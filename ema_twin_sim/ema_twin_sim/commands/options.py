@@ -82,7 +82,7 @@ WithFiles = Annotated[
         "--with",
         "--effect-file",
         metavar="FILE.py",
-        help="A Python file with an effect of your own. It is run. May be repeated.",
+        help="A Python file with an effect of your own. The file is executed. May be repeated.",
     ),
 ]
 Without = Annotated[
@@ -91,14 +91,16 @@ Without = Annotated[
         "--without",
         "--exclude",
         metavar="EFFECT",
-        help="An effect that is not to be looked for. May be repeated.",
+        help="Effect to exclude from the search. May be repeated.",
         autocompletion=effect_names,
     ),
 ]
 Evidence = Annotated[
     Path | None,
     typer.Option(
-        "--evidence", metavar="FILE.mcap", help="Also write what each step left over, for rerun, Foxglove, PlotJuggler."
+        "--evidence",
+        metavar="FILE.mcap",
+        help="Also write the residuals of each step, for rerun, Foxglove, PlotJuggler.",
     ),
 ]
 Rrd = Annotated[
@@ -107,7 +109,7 @@ Rrd = Annotated[
 ]
 NewModel = Annotated[Path, typer.Option("-o", "--output", metavar="NEW", help="The model file to write.")]
 Results = Annotated[
-    Path, typer.Option("-o", "--output", metavar="RESULTS", help="The folder of results; one that exists goes on.")
+    Path, typer.Option("-o", "--output", metavar="RESULTS", help="The folder of results; an existing one is continued.")
 ]
 CORES = os.cpu_count() or 1
 Workers = Annotated[
@@ -124,28 +126,27 @@ Scheduler = Annotated[
     typer.Option(
         "--scheduler",
         metavar="ADDRESS",
-        help="A dask scheduler (tcp://HOST:PORT), whose workers see the same files, in place of this machine.",
+        help="A dask scheduler (tcp://HOST:PORT) to use instead of this machine; its workers must see the same files.",
     ),
 ]
 Rate = Annotated[
     float,
     typer.Option(
         metavar="TIMES",
-        parser=number(0.0, 1000.0, "times real time (0: as fast as it goes)"),
-        help="Speed of playing, in times real time; 0: as fast as it goes.",
+        parser=number(0.0, 1000.0, "times real time (0: as fast as possible)"),
+        help="Replay speed relative to real time; 0: as fast as possible.",
     ),
 ]
 ImportMap = Annotated[str, typer.Option("--map", help="Import map of CSVs: a file or a name in config/maps.")]
 From = Annotated[
-    float | None, typer.Option("--from", metavar="S", parser=SECONDS, help="Leave out what is before, in seconds.")
+    float | None, typer.Option("--from", metavar="S", parser=SECONDS, help="Start at this time, in seconds.")
 ]
-To = Annotated[
-    float | None, typer.Option("--to", metavar="S", parser=SECONDS, help="Leave out what is after, in seconds.")
-]
+To = Annotated[float | None, typer.Option("--to", metavar="S", parser=SECONDS, help="End at this time, in seconds.")]
 Input = Annotated[
     str | None,
     typer.Option(
-        "--input", help="What drives the twin: setpoint, current or command; by default what the recording has."
+        "--input",
+        help="Input of the twin: setpoint, current or command; by default chosen from the recording's signals.",
     ),
 ]
 Step = Annotated[
@@ -155,5 +156,5 @@ Step = Annotated[
 JsonFile = Annotated[
     Path | None, typer.Option("--json", metavar="FILE", help="Also write the result here, machine-readable.")
 ]
-Strict = Annotated[bool, typer.Option("--strict", help="Refuse damaged input instead of using its whole part.")]
+Strict = Annotated[bool, typer.Option("--strict", help="Refuse damaged input instead of using its intact part.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace an output that exists.")]

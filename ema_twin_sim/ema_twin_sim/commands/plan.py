@@ -56,7 +56,7 @@ def run(
         typer.Option(
             metavar="RAD",
             parser=options.number(1e-9, options.LARGEST, "rad"),
-            help="Limit of its travel from the start, either way, rad.",
+            help="Limit of the output's travel from the start in either direction, rad.",
         ),
     ] = None,
     max_current: Annotated[
@@ -74,13 +74,13 @@ def run(
     force: options.Force = False,
     json: options.JsonFile = None,
 ) -> None:
-    """Propose the next recording: the command that best tells apart the effects that are still in doubt, and shows most
-    of those that the recordings so far could not have shown.
+    """Propose the next recording: the command that best distinguishes the effects still in doubt, and shows most of
+    those that the recordings so far could not show.
 
-    It stays within what the recordings have driven, unless only more than that decides more doubts or shows more
-    effects, which it then says. Where the model has no end stops, it goes no further than twice the speed so far leads
-    in the time of a recording, or than twice what was driven. A limit that is given takes the place of what was driven,
-    and nothing goes beyond.
+    The command stays within the recorded speed, travel and current, unless only a larger one resolves more doubts or
+    shows more effects; plan then says so. Without end stops in the model, the travel is limited to what twice the
+    recorded speed covers in one recording, or to twice the recorded travel. A limit given as an option replaces the
+    recorded one and is never exceeded.
     """
     from ema_bench_replay.errors import InputError
     from ema_bench_replay.outputs import new_file
@@ -135,11 +135,11 @@ def show(found: Plan) -> None:
 
     if found.verdict == "unknown":
         on = f" (it depends on {dependence_words(found.depends_on)})" if found.depends_on else ""
-        console.print(f"Something is left over that fits no effect{on}: no command can be planned for that.\n")
+        console.print(f"Part of the error fits no effect{on}; no command can be planned for it.\n")
     if not found.in_doubt and found.proposal is None:
-        nothing = "" if found.verdict == "unknown" else ": no effect is missing that these recordings could show"
+        nothing = "" if found.verdict == "unknown" else ": these recordings show no missing effect"
         held = f": the model lacks {listed(map(effect_words, found.added))}" if found.added else nothing
-        console.print(f"[bold]Nothing is in doubt that another recording would settle{held}.[/bold]", soft_wrap=True)
+        console.print(f"[bold]No doubt remains that another recording could resolve{held}.[/bold]", soft_wrap=True)
         return
     if found.in_doubt:
         console.print("[bold]In doubt[/bold]")
@@ -165,19 +165,17 @@ def show(found: Plan) -> None:
             console.print(_shown(proposal))
         if proposal.hides:
             hides = listed(map(effect_words, proposal.hides), "or")
-            console.print(
-                f"It would still not show {hides}: run plan again with its recording for the next one.", soft_wrap=True
-            )
+            console.print(f"It would still not show {hides}: record it, then run plan again with it.", soft_wrap=True)
     if found.inseparable:
         apart = "; ".join(" or ".join(map(_name, pair)) for pair in found.inseparable)
-        console.print(f"\nNo command within the limits tells: {apart}.", markup=False, soft_wrap=True)
+        console.print(f"\nNo command within the limits can distinguish: {apart}.", markup=False, soft_wrap=True)
         for hint in found.elsewhere():
             console.print(f"  {hint}", markup=False, soft_wrap=True)
 
 
 def _commands(proposals: Sequence[Proposal]) -> ReportTable:
 
-    table = ReportTable(f"\nHow well it would tell them apart, in standard deviations ({DECIDED:g} decide)")
+    table = ReportTable(f"\nHow well it would distinguish them, in standard deviations ({DECIDED:g} or more decide)")
     table.words("command")
     table.numbers("seconds", *(" or ".join(map(_name, pair)) for pair in proposals[0].separation))
     for k, proposal in enumerate(proposals):
@@ -188,7 +186,9 @@ def _commands(proposals: Sequence[Proposal]) -> ReportTable:
 
 def _shown(proposal: Proposal) -> ReportTable:
     """Table of how clearly the proposal would show effects that are hidden so far."""
-    table = ReportTable(f"\nHow clearly it would show effects of a usual size, in standard errors ({DECIDED:g} decide)")
+    table = ReportTable(
+        f"\nHow clearly it would show effects of usual size, in standard errors ({DECIDED:g} or more decide)"
+    )
     table.words("effect")
     table.numbers("so far", "with it")
     for id, (now, then) in proposal.shows.items():
@@ -217,7 +217,7 @@ def _show_how(proposal: Proposal, model: str, ratio: float, output: Path | None,
         f" (of the motor: {ratio:g} times that), and give its recording to discover with the others.",
         soft_wrap=True,
     )
-    console.print("See before what this model would do:", soft_wrap=True)
+    console.print("To simulate it with this model first:", soft_wrap=True)
     console.print(
         f"  ema-twin simulate --model {model} --command {given} --seconds {proposal.seconds:g}{own} -o next.mcap",
         markup=False,

@@ -16,17 +16,15 @@ ema-twin recover live/live.mcap     (writes live/live_recovered.mcap)
 
 ema-twin recover live/live.mcap -o live_whole.mcap
 
-A recorder that was killed, or whose disk was full, leaves a bag without an index, which most tools refuse. The original
-is never changed."""
+If a recorder is killed or its disk is full, the bag has no index and most tools refuse it. The original is never
+changed."""
 
 
 def run(
-    bag: Annotated[Path, typer.Argument(metavar="FILE.mcap", help="The bag that was cut, or is damaged.")],
+    bag: Annotated[Path, typer.Argument(metavar="FILE.mcap", help="The truncated or damaged bag.")],
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o", "--output", metavar="FILE.mcap", help="The whole bag to write; FILE_recovered.mcap unless told."
-        ),
+        typer.Option("-o", "--output", metavar="FILE.mcap", help="The repaired bag; FILE_recovered.mcap by default."),
     ] = None,
     force: options.Force = False,
 ) -> None:
@@ -39,8 +37,8 @@ def run(
     output = output or bag.with_name(f"{bag.stem}_recovered.mcap")
     found = recover(bag, output, force=force)
     if found.damage:
-        torn = f"{found.torn} bytes behind it are torn off"
-        warn(f"{bag.name}: {found.damage}; recovered up to the last whole part, {torn}")
+        lost = f"the last {found.torn} bytes are lost"
+        warn(f"{bag.name}: {found.damage}; recovered up to the last whole part, {lost}")
     count = sum(found.messages.values())
     whole = "" if found.damage else f" ({bag.name} was whole)"
     console.print(f"{output}: {count} messages over {found.seconds:.3f} s{whole}", soft_wrap=True)

@@ -38,7 +38,7 @@ def run(
         typer.Option(
             "--model",
             "-m",
-            help="Give two or three: the model before, what discover wrote, and what fit wrote of that.",
+            help="Two or three models: the original, the one that discover wrote, and the one that fit wrote from it.",
         ),
     ],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="REPORT.html", help="The page to write.")],
@@ -47,7 +47,7 @@ def run(
         typer.Option(
             "--discovery",
             metavar="FILE.json",
-            help="What discover --json wrote (or diagnose --json); without it, the search is made again.",
+            help="Output of discover --json (or diagnose --json); without it, the search is repeated.",
         ),
     ] = None,
     fit: Annotated[
@@ -55,13 +55,13 @@ def run(
         typer.Option(
             "--fit",
             metavar="FILE.json",
-            help="What fit --json wrote of the third model: its standard errors, and how far off it is on recordings "
-            "that it was not fitted to.",
+            help="Output of fit --json for the third model: standard errors, and errors on recordings that were not "
+            "used for fitting.",
         ),
     ] = None,
     held_out: Annotated[
         list[Path] | None,
-        typer.Option("--held-out", metavar="RUN", help="Recordings that were not fitted to. May be repeated."),
+        typer.Option("--held-out", metavar="RUN", help="Recordings that were not used for fitting. May be repeated."),
     ] = None,
     input: options.Input = None,
     with_files: options.WithFiles = None,
@@ -90,7 +90,7 @@ def run(
             f"{len(model)} time{'s' if len(model) > 1 else ''}"
         )
     if fit is not None and len(model) == 2:
-        raise InputError(f"--fit {fit}: tells of a third model; give that with --model")
+        raise InputError(f"--fit {fit}: belongs to a third model; give that with --model")
     given = [*runs, *(held_out or ())]
     refuse_inputs([*input_files(given, model, import_map, with_files), *filter(None, (discovery, fit))], output)
     check_page_name(output)

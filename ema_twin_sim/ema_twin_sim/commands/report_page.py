@@ -53,7 +53,7 @@ def write_page(
 
     names, note = told_apart(models, labels), ""
     if len(models) > 2 and not fitting_moved(models, findings, fit):
-        note = f"{names[2]} is not shown: none of its numbers is farther from {names[1]}'s than its standard error."
+        note = f"{names[2]} is not shown: no parameter differs from {names[1]}'s by more than its standard error."
         models, names, comparisons = models[:2], names[:2], comparisons[:2]
     given = shown(recordings, models, source, comparisons=comparisons)
     apart = shown(held_out, models, source) if held_out else None

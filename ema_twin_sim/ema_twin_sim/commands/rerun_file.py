@@ -27,7 +27,7 @@ def check_rrd_name(path: Path | None, models: int = 1) -> None:
     if path is None:
         return
     if path.suffix != ".rrd":
-        raise InputError(f"--rrd {path}: rerun opens files by their names; name it .rrd")
+        raise InputError(f"--rrd {path}: is not a rerun file's name; end it in .rrd")
     if models > MOST_MODELS:
         raise InputError(f"--rrd {path}: shows one to three models side by side; --model was given {models} times")
 
@@ -63,6 +63,6 @@ def tell_of_rrd(path: Path, tabs: Sequence[str]) -> None:
     from ..views.screen import why_not_shown
 
     reason = why_not_shown()
-    where = f" where it can be shown (here {reason})" if reason else ""
-    say(f"\n{path} shows {listed(tabs)}. Look at it{where}:")
+    where = f" on a machine with a display (here {reason})" if reason else ""
+    say(f"\n{path} shows {listed(tabs)}. Open it{where}:")
     say(f"  rerun {quote(str(path))}")

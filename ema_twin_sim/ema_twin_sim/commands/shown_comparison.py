@@ -85,8 +85,8 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
     found = [d for d in comparison.where if d.signal in poor]
     few = sum(recording.samples for recording in comparison.recordings) < FEWEST_SAMPLES
     if not poor and few:
-        short = f"this is too short to tell, which takes {FEWEST_SAMPLES} samples"
-        say(f"\nNo error stands out of the sensors' noise{of}, but {short}.")
+        short = f"the recordings are too short to be sure ({FEWEST_SAMPLES} samples are needed)"
+        say(f"\nNo error exceeds the sensors' noise{of}, but {short}.")
         return
     if not poor:
         say(f"\nAll errors are at the sensors' noise floor{of}{_what_that_says(shown, overall)}.")
@@ -95,11 +95,11 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
         names = ", ".join(sorted(name.replace("_", " ") for name in poor))
         traced = dict.fromkeys(d.signal for d in comparison.where)
         if few:
-            why = f"this is too short to tell where, which takes {FEWEST_SAMPLES} samples"
+            why = f"the recordings are too short to locate the error ({FEWEST_SAMPLES} samples are needed)"
         elif traced:
-            why = f"where is told of {listed(name.replace('_', ' ') for name in traced)} only"
+            why = f"the location is analysed for {listed(name.replace('_', ' ') for name in traced)} only"
         else:
-            why = "where cannot be told: that takes the current and the motor's position or speed"
+            why = "to locate the error, the current and the motor's position or speed are needed"
         say(f"\nAbove the sensors' noise{of}: {names}; {why}.")
         return
     console.print(_where(found, f"\nWhere the model fails{of}"))
@@ -112,14 +112,14 @@ def _what_that_says(shown: Sequence[str], overall: Mapping[str, SignalError]) ->
     errors = {name: overall[name] for name in shown if overall[name]["rmse"] and not overall[name]["driven"]}
     noise = {name: error["relative"] * error["noise_floor"] / error["rmse"] for name, error in errors.items()}
     blind = [
-        f"the {name.replace('_', ' ')}'s is {100.0 * share:.0f} % of the signal"
+        f"that of the {name.replace('_', ' ')} is {100.0 * share:.0f} % of the signal"
         for name, share in noise.items()
         if share > BLIND
     ]
     if not blind:
-        return "; discover tells whether an effect smaller than that is missing"
+        return "; run discover to look for smaller missing effects"
     large = " and ".join(blind)
-    return f", but {large}: noise that large hides any error; check the sensors' constants in the model's file"
+    return f", but {large}, which hides any error; check the sensors' constants in the model's file"
 
 
 def _where(found: Sequence[Dependence], title: str) -> ReportTable:

@@ -41,8 +41,8 @@ def warn_of_foreign_units(guesses: Guesses) -> None:
         if guess.unit is None and foreign and not foreign.isdigit():
             signal, unit = guess.signal.replace("_", " "), signal_unit(guess.signal, guesses.motion)
             warn(
-                f"{guess.column}: {foreign} is no unit of the {signal}: read as if 1 were 1 {unit}, and so is all "
-                "that is told in it; write what one is worth as the signal's `factor` in the map"
+                f"{guess.column}: '{foreign}' is not a unit of the {signal}; the values are read as {unit}, and all "
+                "results scale with that. Give the conversion as the signal's `factor` in the map"
             )
 
 
@@ -64,7 +64,7 @@ def to_look_at(text: str) -> str:
     from ..new_machine.check_comment import CHECK
 
     count = sum(CHECK in line for line in text.splitlines()[2:])
-    return f"{count} line(s) to look at, marked {CHECK}" if count else "nothing was left to guess"
+    return f"{count} line(s) to check, marked {CHECK}" if count else "nothing had to be guessed"
 
 
 def in_unit(guess: Guess) -> str:
@@ -72,7 +72,7 @@ def in_unit(guess: Guess) -> str:
     from ..new_machine.header_words import COUNTS
 
     if guess.unit == COUNTS:
-        return f", {guess.counts:g} counts a turn" if guess.counts else ", its counts a turn unknown"
+        return f", {guess.counts:g} counts per turn" if guess.counts else ", counts per turn unknown"
     return f" in {guess.unit}" if guess.unit else ", unit unknown"
 
 
@@ -83,12 +83,12 @@ def say_next(
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
         say(f"{path}: {to_look_at(text)}")
     if why := guesses.points_doubt:
-        say(f"{why[:1].upper()}{why[1:]}: each row is taken for an operating point, at rest or at constant speed.")
+        say(f"{why[:1].upper()}{why[1:]}: each row is read as an operating point, at rest or at constant speed.")
     map_name, model = (quote(str(file)) for file in files)
     say("Then:")
     say(f"  ema-twin info {trace} --map {map_name}")
     if guesses.both_encoders and not guesses.drives:
-        say("No current and no torque was found: play, delay and angle errors between the encoders show, no friction.")
+        say("No current or torque was found: only backlash, delay and angle errors of the encoders can be found.")
     if guesses.drives or guesses.both_encoders:
         say(f"  ema-twin discover {trace} --map {map_name} --model {model} -o found.yaml")
         return
@@ -96,8 +96,8 @@ def say_next(
     if mended.drives or mended.both_encoders:
         names = " and ".join(guess.column for guess in holed)
         say(
-            f"  Without {names} nothing can be judged: write the numbers that it lacks into {trace}, or remove these "
-            "rows, and run init again."
+            f"  {names} cannot be left out: fill in the missing values in {trace}, or remove these rows, and run init "
+            "again."
         )
     else:
-        say(f"  No current and no torque was found: name its column in {files[0]}, or nothing can be judged.")
+        say(f"  No current or torque was found: add its column to {files[0]}; nothing can be analysed without it.")

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 KINDS = {
     "on_bound": "On a bound",
-    "no_effect": "Not shown",
+    "no_effect": "Not identifiable",
     "inseparable": "Inseparable",
-    "absurd": "Absurd",
+    "absurd": "Implausible",
 }
 """The kinds of warnings, as headings."""
 
@@ -45,7 +45,7 @@ def _parameters(found: FitResult, before: Model) -> ReportTable:
     for name, entry in found.parameters.items():
         for first, parameter, held in parameter_rows(name, entry["options"], numbers_of(entry)):
             old = estimate(before.effects[name].parameters[parameter], None, held["unit"])
-            new = "held" if held["std"] is None else estimate(held["value"], held["std"], held["unit"])
+            new = "fixed" if held["std"] is None else estimate(held["value"], held["std"], held["unit"])
             table.add_row(*first, parameter.replace("_", " "), old, new)
     return table
 
@@ -57,7 +57,7 @@ def _constants(found: FitResult) -> ReportTable:
     table.numbers("change")
     for part, entries in found.constants.items():
         for name, held in entries.items():
-            before, fitted, change = estimate(held["nominal"], None, held["unit"]), "not in the data", ""
+            before, fitted, change = estimate(held["nominal"], None, held["unit"]), "not identifiable", ""
             if held["std"] is not None:
                 fitted = estimate(held["value"], held["std"], held["unit"])
                 change = f"{100.0 * (held['value'] / held['nominal'] - 1.0):+.1f} %"

@@ -43,13 +43,13 @@ def how_much(result: LiveResult, *, loop: bool = False) -> str:
         return f"all {compared} samples compared" + (" in the last pass" if loop else "")
     if missing:
         return f"{count}, {missing} missing"
-    return f"{count}, {'ended during this pass of the loop' if loop else 'ended before the last'}, none missing"
+    return f"{count}, {'ended during this pass of the loop' if loop else 'stopped early'}, none missing"
 
 
 def show(result: LiveResult, rate: float = 0.0, *, loop: bool = False) -> None:
     """Print the final result of the nodes, and whether the twin kept up with the replay ``rate`` (0: not checked)."""
     console.print(
-        f"\n[bold]{result.name}[/bold] beside {result.model}, live: {how_much(result, loop=loop)}, input {result.input}"
+        f"\n[bold]{result.name}[/bold], model {result.model}, live: {how_much(result, loop=loop)}, input {result.input}"
     )
     if result.health is not None:
         say(f"Health of {result.health['unit']}: {result.health['words']}")
@@ -74,9 +74,7 @@ def late_words(result: LiveResult, rate: float) -> str:
         )
     if rate and result.elapsed > _LATE * result.duration / rate + _LATE_BY:
         wanted = result.duration / rate
-        return (
-            f"The nodes fell behind the rate that was asked for: {wanted:.1f} s of playing took {result.elapsed:.1f} s."
-        )
+        return f"The nodes could not keep the requested rate: {wanted:.1f} s of replay took {result.elapsed:.1f} s."
     return ""
 
 

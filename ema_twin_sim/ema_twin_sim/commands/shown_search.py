@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from ..discovery.discover import Discovery
 
 STEPS_ARE = (
-    "Excess: the mean square of the error above that of the sensors' noise; where 99 % of it goes, a tenth of the RMSE "
-    "stays. Runner-up: the second-best effect in that step, and its gain as a share of the step's."
+    "Excess: mean square of the error minus that of the sensors' noise; removing 99 % of it leaves a tenth of the RMSE."
+    " Runner-up: the second-best effect of the step, and its gain relative to the step's."
 )
 """Explains the columns of the table of steps."""
 _LEAST_CHANGE = 0.0005  # relative change of a constant; a smaller one is not shown
@@ -43,8 +43,8 @@ def show_search(found: Discovery, without: Sequence[str] = ()) -> None:
     if found.verdict == "unknown":
         left = found.unseen
         say(
-            f"What is left over: {quantity(left.rmse[-1], left.unit)} of the {left.signal.replace('_', ' ')}, where "
-            f"the sensors' noise makes {quantity(left.noise_floor, left.unit)}."
+            f"Remaining error: {quantity(left.rmse[-1], left.unit)} of the {left.signal.replace('_', ' ')}; "
+            f"the sensors' noise is {quantity(left.noise_floor, left.unit)}."
         )
     if found.unseen.refitted and not found.steps:
         say(refit_sentence(found.unseen))
@@ -82,15 +82,15 @@ def _steps(found: Discovery) -> ReportTable:
     from ..measured.folds import HALF_OF
 
     several = len(found.unseen.recordings) > 1
-    judged_on = f"recordings that were {'not ' if several else ''}fitted to"
+    judged_on = f"recordings {'not ' if several else ''}used for fitting"
     if HALF_OF in found.recordings[0].metadata:
-        judged_on = "the half of the points that was not fitted to"
+        judged_on = "the half of the points not used for fitting"
     signal = found.unseen.signal.replace("_", " ")
     floor = quantity(found.unseen.noise_floor, found.unseen.unit)
     table = ReportTable(f"\nSteps, judged by the {signal} of {judged_on} (noise floor {floor})")
     narrow, output, crowded = is_narrow(), _has_output(found), _is_crowded(found)
     table.words("step", *(() if narrow else ("what it is",)), widest=44)
-    shown = "encoders apart" if found.unseen.encoders else "output position"
+    shown = "encoder difference" if found.unseen.encoders else "output position"
     table.numbers("RMSE before", "after", "excess removed", *((f"{shown} before", "after") if output else ()))
     table.words(*(() if crowded else ("runner-up",)))
     unseen = found.unseen

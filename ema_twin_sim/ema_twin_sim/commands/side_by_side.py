@@ -35,8 +35,8 @@ def show_side_by_side(comparisons: Sequence[Comparison]) -> None:
     for other in comparisons[1:]:
         say(_in_words(names[0], first, other), style="bold")
     say(
-        f"{_CLOSER.capitalize()}: the error of {first.model} above the sensors' noise, the root of RMSE² less noise "
-        "floor², over that of the other model; ≥ where what that leaves over is lost in the noise."
+        f"{_CLOSER.capitalize()}: error of {first.model} over that of the other model, each with the noise subtracted "
+        "(√(RMSE² − noise floor²)); ≥ if the other model's error is within the noise."
     )
 
 

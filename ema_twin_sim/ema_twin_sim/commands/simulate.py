@@ -32,7 +32,9 @@ or a file: lines of time in s, value in rad, or the YAML that plan wrote; prefix
 
 def run(
     model: options.ModelName,
-    command: Annotated[str, typer.Option("--command", "-c", metavar="KIND:A:B|FILE", help="What the bench does.")],
+    command: Annotated[
+        str, typer.Option("--command", "-c", metavar="KIND:A:B|FILE", help="The command for the bench.")
+    ],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="RUN", help="RUN.mcap or RUN.CSV to write.")],
     seconds: Annotated[
         float | None,
@@ -105,4 +107,4 @@ def _warn_of_speed(model: Model, command: Command, time: np.ndarray) -> None:
     asked = command.highest_speed(time) * model.value("machine.gear_ratio")
     limit, unit = model.value("drive.speed_limit"), model.unit("drive.speed_limit")
     if asked > limit * (1.0 + 1e-6):
-        warn(f"{command.text} asks {asked:.4g} {unit} of the motor, whose drive.speed_limit is {limit:.4g} {unit}")
+        warn(f"{command.text} needs {asked:.4g} {unit} at the motor; its drive.speed_limit is {limit:.4g} {unit}")

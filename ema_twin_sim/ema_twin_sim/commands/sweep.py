@@ -28,8 +28,8 @@ ema-twin sweep --model polito_bench --vary coulomb_friction.torque=0.03:0.12:5 \
 ema-twin sweep --model press.yaml --vary stribeck_friction.torque=0:0.1:2 --vary stribeck_friction.speed=0.5:5:2 \
 --sample 200 -c sine:0.05:0.25 -o stribeck
 
-A number of an effect that the model lacks is hidden from the search, which looks for it; one of the model's own, or a \
-constant, has another value in the simulated machine than in the model."""
+If the model lacks the effect of a varied parameter, the effect is simulated and the search has to find it. If the \
+parameter or constant is the model's own, only the simulated machine has the varied value."""
 
 _SHOWN = 5
 """Number of refused or failed points whose reason is printed."""
@@ -42,12 +42,14 @@ def run(
         typer.Option(
             "--vary",
             metavar="PATH=LOW:HIGH:COUNT[:log]",
-            help="A number of the machine and its values, in SI units; PATH=VALUE for one. May be repeated.",
+            help="A parameter to vary and its values, in SI units; PATH=VALUE for one value. May be repeated.",
         ),
     ],
     command: Annotated[
         list[str],
-        typer.Option("--command", "-c", metavar="KIND:A:B", help="What the bench does, as simulate has it. Repeat it."),
+        typer.Option(
+            "--command", "-c", metavar="KIND:A:B", help="The command for the bench, as for simulate. Repeatable."
+        ),
     ],
     output: options.Results,
     seconds: Annotated[
@@ -65,25 +67,26 @@ def run(
     repeats: Annotated[
         int,
         typer.Option(
-            metavar="N", parser=options.whole(1, 1_000_000), help="Results a point, each with noise of its own."
+            metavar="N", parser=options.whole(1, 1_000_000), help="Simulations per point, each with different noise."
         ),
     ] = 1,
     seed: Annotated[int, typer.Option(metavar="N", parser=options.whole(0, 10**9), help="Seed of the sample.")] = 0,
     bounds_only: Annotated[
         bool,
-        typer.Option("--bounds-only", help="Do not look for what is missing: what can be known at best is faster."),
+        typer.Option("--bounds-only", help="Compute only the bounds of the errors, without searching (faster)."),
     ] = False,
     workers: options.Workers = options.CORES,
     scheduler: options.Scheduler = None,
     page: Annotated[
-        Path | None, typer.Option("--page", metavar="FILE.html", help="Also write a page with a map of it.")
+        Path | None,
+        typer.Option("--page", metavar="FILE.html", help="Also write an HTML page with a map of the results."),
     ] = None,
     force: options.Force = False,
     json: options.JsonFile = None,
 ) -> None:
-    """Simulate many models and search each as if nobody knew: from which size on is it named, and how well is it known.
+    """Simulate many models and search each of them: from which size is an effect found, and how accurately?
 
-    The bound (Cramér and Rao) is the least standard error that any method could have with these recordings.
+    The Cramér-Rao bound is the smallest standard error that any method can reach with these recordings.
     """
     from ema_bench_replay.errors import InputError
 
@@ -105,7 +108,7 @@ def run(
         parse_command(text)
     varied = [Varied.of(text) for text in vary]
     if twice := {one.path for one in varied if sum(one.path == other.path for other in varied) > 1}:
-        raise InputError(f"--vary {min(twice)}: stands twice; give each number once")
+        raise InputError(f"--vary {min(twice)}: is given twice; give each parameter once")
     for values in zip(*((one.low, one.high) for one in varied), strict=True):
         with_settings(base, [(one.path, value) for one, value in zip(varied, values, strict=True)])
     study = Study(str(model_files(model)[0].resolve()), tuple(command), seconds, not bounds_only)
@@ -114,7 +117,7 @@ def run(
     settled = store.settled()
     waiting = [point for point in points if point.key not in settled]
     if len(waiting) < len(points):
-        say(f"{len(points) - len(waiting)} of {len(points)} are done already and stay as they are.")
+        say(f"{len(points) - len(waiting)} of {len(points)} already have results and are skipped.")
     refused = 0
     if waiting:
         with ExitStack() as stack:
@@ -136,8 +139,8 @@ def run(
         say(f"{len(asked) - lost} of {len(asked)} points were done; {lost} were refused or failed.")
     if len(asked) < len(rows):
         say(
-            f"{output} holds {len(rows) - len(asked)} results of other sweeps, which are not shown; the commands that "
-            "made them show them."
+            f"{output} holds {len(rows) - len(asked)} results of other sweeps, which are not shown; run their commands "
+            "again to see them."
         )
     found = swept_points(asked)
     _show(found)

@@ -51,7 +51,9 @@ _MONTH = 30.0  # days
 
 def run(
     results: Annotated[Path, typer.Argument(metavar="RESULTS", help="The folder that campaign wrote.")],
-    unit: Annotated[str | None, typer.Option("--unit", metavar="NAME", help="Only this unit, each recording.")] = None,
+    unit: Annotated[
+        str | None, typer.Option("--unit", metavar="NAME", help="Show each recording of this unit.")
+    ] = None,
     limits: Annotated[
         Path | None,
         typer.Option("--limits", metavar="FILE.yaml", help="Limits of numbers, in SI units: backlash.width: 0.004"),
@@ -61,8 +63,8 @@ def run(
         typer.Option(
             "--healthy",
             metavar="N|PATTERN",
-            help="Which results of each unit are healthy: the first N, or those in whose name a regular expression is "
-            "found; by default the first third.",
+            help="Which results of each unit are healthy: the first N, or those whose name matches a regular "
+            "expression; by default the first third.",
         ),
     ] = None,
     page: Annotated[
@@ -78,8 +80,8 @@ def run(
 ) -> None:
     """Show which unit misses which effect, how far its recordings are off, and which of its numbers change.
 
-    A number that has left the band of its first, healthy values is told with the recording from which on it has; where
-    it goes on that way and has a limit, with when it gets there.
+    If a parameter has left the range of its healthy values, the recording where that began is shown; if it has a trend
+    and a limit, also when it reaches the limit.
     """
     from ema_bench_replay.errors import InputError
 
@@ -103,7 +105,7 @@ def run(
     ahead = {one.name: outlooks(one, of_numbers, known_good) for one in found}
     health = {one.name: unit_health(one, known_good) for one in found}
     for path in of_numbers.keys() - {look.history.path for looks in ahead.values() for look in looks}:
-        warn(f"{limits}: {path} is no number that was followed in any of these units")
+        warn(f"{limits}: none of these units has a history of {path}")
     if unit is not None:
         _show_recordings(found[0])
         _show_health(health[unit])
@@ -113,9 +115,9 @@ def run(
     for one in found:
         if not all(look.history.as_asked for look in ahead[one.name]):
             warn(
-                f"{one.name}: some of its numbers are held against their first "
-                f"{'third' if known_good.pattern else f'{FEWEST_HEALTHY} values, or days'}: "
-                f"by --healthy {healthy} fewer than {FEWEST_HEALTHY} of their values, or days, are healthy"
+                f"{one.name}: some of its parameters are compared with their first "
+                f"{'third' if known_good.pattern else f'{FEWEST_HEALTHY} values or days'}, because --healthy {healthy} "
+                f"selects fewer than {FEWEST_HEALTHY} of their values or days"
             )
         for remark in one.remarks:
             warn(f"{one.name}: {remark}")
@@ -146,11 +148,11 @@ def _json(one: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> dic
 def _show(
     units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], health: Mapping[str, UnitHealth | None]
 ) -> None:
-    table = ReportTable(f"{len(units)} units, the ones with most beyond the sensors' noise first")
+    table = ReportTable(f"{len(units)} units, the largest error relative to the sensors' noise first")
     table.words("unit")
     table.numbers("judged", "refused", "failed")
-    table.words("last recorded", "missing in")
-    table.numbers("beyond noise")
+    table.words("last recorded", "missing effects (results)")
+    table.numbers("error / noise")
     table.words("changed", widest=40)
     judged = any(health.values())
     if judged:
@@ -183,8 +185,8 @@ def _changed(looks: Sequence[Outlook]) -> str:
 def _show_recordings(one: Unit) -> None:
     table = ReportTable(f"{one.name}: {len(one.rows)} results")
     table.words("recording", "recorded", "task", "verdict", "missing")
-    table.numbers("beyond noise")
-    table.words("why not")
+    table.numbers("error / noise")
+    table.words("reason")
     for row in one.rows:
         beyond = one.beyond(row)
         table.add_row(
@@ -205,14 +207,14 @@ def _show_health(health: UnitHealth | None) -> None:
         return
     for one in health.baselines:
         say(
-            f"\nIts health, beside {one.runs} healthy recordings of {one.tests} tests. Of a healthy unit, "
-            f"{100.0 * one.false_alarm:g} % are called off; of these, {100.0 * one.false_alarms_left_out:.0f} % were "
-            "when their own test was left out."
+            f"\nHealth, compared with {one.runs} healthy recordings of {one.tests} tests. Expected false alarms: "
+            f"{100.0 * one.false_alarm:g} %; among these recordings, each judged without its own test: "
+            f"{100.0 * one.false_alarms_left_out:.0f} %."
         )
     table = ReportTable()
     table.words("test")
-    table.numbers("off", "farthest")
-    table.words("named", "what changed")
+    table.numbers("deviating", "distance")
+    table.words("fault family", "what changed")
     for test in health.tests:
         table.add_row(
             escape(test.name),
@@ -222,7 +224,7 @@ def _show_health(health: UnitHealth | None) -> None:
             escape(change_words(test)),
         )
     console.print(table)
-    say("Farthest: the distance from the healthy ones, in times of the limit's.")
+    say("Distance: the largest distance from the healthy recordings; 1 × is the limit.")
 
 
 def _show_numbers(looks: Sequence[Outlook]) -> None:
@@ -230,11 +232,11 @@ def _show_numbers(looks: Sequence[Outlook]) -> None:
     if not looks:
         return
     dated = looks[0].history.dated
-    table = ReportTable("\nIts numbers over time: the healthy ones, the last, and what has changed since when")
-    table.words("number")
+    table = ReportTable("\nParameters over time: healthy value, last value, change, and when it began")
+    table.words("parameter")
     table.numbers("healthy", "last", "change")
     table.words("since")
-    table.numbers("a month" if dated else "a result", "to the limit", "reaches it in")
+    table.numbers("per month" if dated else "per result", "to the limit", "reaches it in")
     for look in looks:
         of = look.history
         slope = None if look.trend is None else look.trend.slope * (_MONTH if dated else 1.0)

@@ -42,10 +42,10 @@ def judge_acquisition(record: MotionRecord) -> Acquisition:
     findings = []
     unsigned = is_unsigned(record, phases)
     if unsigned:
-        how = "is" if record.unsigned else "never changes its sign in motion both ways, so it is taken for"
+        how = "is" if record.unsigned else "is never negative in motion both ways, so it is treated as"
         findings.append(
-            f"The effort {how} a magnitude: it tells how large it is and not which way it acts, so a changed load is "
-            "not told from friction that differs between the directions."
+            f"The effort {how} unsigned (a magnitude), so a changed load cannot be distinguished from friction that "
+            "differs between the directions."
         )
     clipped = clipped_share(record.effort)
     if clipped > NEGLIGIBLE:
@@ -54,7 +54,7 @@ def judge_acquisition(record: MotionRecord) -> Acquisition:
         )
     usable = clipped <= NEGLIGIBLE and np.ptp(record.effort) > 0.0
     if not np.ptp(record.effort) > 0.0:
-        findings.append("The effort never changes; it is not judged. Look at its sensor.")
+        findings.append("The effort never changes and is not judged. Check its sensor.")
     return Acquisition(True, bool(usable), unsigned, tuple(findings))
 
 

@@ -96,11 +96,13 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
         if run.acquisition.fit_to_learn_from:
             kept.append(run)
         else:
-            warnings.append(f"{run.name}: not learnt from. {' '.join(run.acquisition.findings)}")
+            warnings.append(f"{run.name}: not used for the baseline. {' '.join(run.acquisition.findings)}")
     tests = [run.test for run in kept]
     number = len(set(tests))
     if number < FEWEST_TESTS:
-        raise InputError(f"healthy recordings of {number} tests do not tell how tests differ; give {FEWEST_TESTS}")
+        raise InputError(
+            f"healthy recordings of {number} tests are too few to estimate how tests differ; give {FEWEST_TESTS}"
+        )
     unsigned = _mostly([run.unsigned for run in kept])
     if odd := next((run for run in kept if run.unsigned != unsigned), None):
         raise InputError(f"{odd.name}: {other_sign(odd)}; leave it out of the healthy ones")

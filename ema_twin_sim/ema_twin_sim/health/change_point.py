@@ -48,7 +48,9 @@ def change_point(
     """
     values, errors = np.asarray(values, dtype=np.float64), np.asarray(errors, dtype=np.float64)
     if baseline < _FEWEST:
-        raise InputError(f"a baseline of {baseline} values tells no scatter; give {_FEWEST}")
+        raise InputError(
+            f"a baseline of {baseline} values is too short to estimate the scatter; give {_FEWEST} or more"
+        )
     weights = 1.0 / errors[:baseline] ** 2
     mean = float(np.sum(weights * values[:baseline]) / weights.sum())
     scatter = float(np.sum(weights * (values[:baseline] - mean) ** 2))

@@ -107,7 +107,7 @@ def drift(times: np.ndarray, values: np.ndarray, errors: np.ndarray) -> Drift:
     """
     times, values, errors = (np.asarray(x, dtype=np.float64) for x in (times, values, errors))
     if len(times) < _FEWEST or not (np.diff(times) > 0.0).all():
-        raise InputError(f"{len(times)} values at rising times show no drift; give {_FEWEST}")
+        raise InputError(f"{len(times)} values cannot show a drift; give {_FEWEST} or more, at rising times")
     curved = values[:-2] - 2.0 * values[1:-1] + values[2:]
     expected = errors[:-2] ** 2 + 4.0 * errors[1:-1] ** 2 + errors[2:] ** 2
     share = _SECOND_DIFFERENCES

@@ -22,7 +22,7 @@ from .run_features import RunFeatures, alike, run_features
 
 _WORDS = {
     "friction": "effort in steady motion",
-    "load": "effort that does not turn round with the motion",
+    "load": "effort that does not reverse with the motion",
     "rest_effort": "effort at rest",
     "roughness": "roughness of steady motion",
     "fast_roughness": "fast roughness",
@@ -35,7 +35,7 @@ _WORDS = {
     "settling": "effort while settling after a stroke",
     "lost_motion": "lost motion between the encoders",
 }
-_REASONS = {**_WORDS, "wave_both_ways": "wave that both directions meet at the same place"}
+_REASONS = {**_WORDS, "wave_both_ways": "wave at the same place in both directions"}
 """Words for the features that speak for a family. ``wave_both_ways`` is a square, so its change is not printed."""
 _ADVICE = {
     Family.FRICTION_UP: "Look at lubricant, seals and bearings.",
@@ -44,7 +44,7 @@ _ADVICE = {
     Family.PLAY: "Measure the play by hand; look at nut, coupling and bearings.",
     Family.LOCAL_DAMAGE: "Look at tracks, balls and teeth for pits.",
     Family.LOAD: "Look at what hangs on the output.",
-    Family.UNKNOWN: "Look at what was changed about the unit and its test.",
+    Family.UNKNOWN: "Check what was changed on the unit and in its test.",
 }
 
 
@@ -149,7 +149,7 @@ def _named(
 ) -> tuple[Family, tuple[str, ...]]:
     """The family of a change that was detected, and why, in words."""
     if not acquisition.effort_usable:
-        return Family.UNKNOWN, ("No fault is named, since the effort is not known.",)
+        return Family.UNKNOWN, ("No fault family is given, because the effort is not usable.",)
     if not ranked or ranked[0].explained <= 0.0:
         return Family.UNKNOWN, (
             f"No known family of damage changes the features in this way. {_ADVICE[Family.UNKNOWN]}",
@@ -159,8 +159,8 @@ def _named(
     uneven = "load" in baseline.features and abs(offs[baseline.features.index("load")]) > SIGNIFICANT
     if acquisition.unsigned and uneven and apart[0] * apart[1] < 0.0:
         return Family.UNKNOWN, (
-            "The effort rises in one direction and falls in the other; a magnitude does not tell whether load or "
-            "friction changed. Record a current with a sign.",
+            "The effort rises in one direction and falls in the other; an unsigned effort does not show whether load "
+            "or friction changed. Record a signed current.",
         )
     reasons = " and ".join(_REASONS[name] for name in best.because[:2])
     sentence = (
@@ -168,7 +168,7 @@ def _named(
     )
     rivals = [other for other in ranked[1:] if other.probability > 1.0 - best.probability or other.probability > PART]
     if rivals:
-        sentence += f" It may be {rivals[0].family.value} ({rivals[0].probability:.0%})."
+        sentence += f" Alternatively {rivals[0].family.value} ({rivals[0].probability:.0%})."
     return best.family, (f"{sentence} {_ADVICE[best.family]}",)
 
 
@@ -181,7 +181,7 @@ def _words(changes: tuple[Change, ...], detected: bool, baseline: Baseline) -> t
     if not shown:
         return ("It differs from the healthy recordings: the wave that repeats with the position has shifted.",)
     parts = [f"{_WORDS[c.name]} {_by(c)} ({c.standard_deviations:+.1f} standard deviations)" for c in shown]
-    sure = "clearly" if abs(shown[0].standard_deviations) > CONTRADICTED else "as a whole"
+    sure = "clearly" if abs(shown[0].standard_deviations) > CONTRADICTED else "in several features together"
     return (f"It differs from the healthy recordings, {sure}: {'; '.join(parts)}.",)
 
 

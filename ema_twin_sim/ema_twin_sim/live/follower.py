@@ -75,7 +75,7 @@ class Follower:
             elapsed, moved = stamp - self._stamp, self._moved(sample, -1.0)
             answer = self.pace.timed(elapsed, lambda: self.twin.advance(elapsed, moved))
         elif math.isnan(sample[DRIVING[self.input]]):
-            self.problem = f"the bench sends no {DRIVING[self.input]}, which drives the twin under input {self.input}"
+            self.problem = f"the bench sends no {DRIVING[self.input]}, which the twin needs with input {self.input}"
             return None
         else:
             answer = self._start(sample)

@@ -62,6 +62,6 @@ class Pace:
         if now is None or now >= 1.0:
             return ""
         return (
-            f"takes {1.0 / now:.1f} s for a second of the bench: this machine cannot run this model in real time; "
+            f"needs {1.0 / now:.1f} s per second of bench time: this machine cannot run this model in real time; "
             "choose drive.kind averaged or transmission.kind two_inertia"
         )

@@ -64,7 +64,7 @@ class UnitWatch:
             self.refused = str(error)
         except Exception as error:  # our own fault: traceback to standard error, one line in `refused`
             traceback.print_exc()
-            self.refused = f"an internal fault, told on the monitor's standard error: {error!r}"
+            self.refused = f"internal error (traceback on the monitor's standard error): {error!r}"
 
     @property
     def off(self) -> bool:
@@ -77,7 +77,7 @@ class UnitWatch:
         if self.refused:
             return self.refused
         if self.last is None:
-            return "no run was judged yet: one is at its end"
+            return "no run judged yet; a run is judged at its end"
         return " ".join(self.last.words)
 
     @property

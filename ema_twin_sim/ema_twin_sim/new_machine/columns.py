@@ -193,7 +193,7 @@ def named_columns(named: Mapping[str, str]) -> Guesses:
         unit = _unit(words, signal, motion)
         if unit is None and (words.foreign or (words.unit is not None and not words.in_doubt)):
             raise InputError(
-                f"init: {words.name!r}: its unit is none of the {signal.replace('_', ' ')} of a {motion} machine; "
+                f"init: {words.name!r}: its unit is not one of the {signal.replace('_', ' ')} of a {motion} machine; "
                 f"use one of {', '.join(units_of(signal, motion))}"
             )
         signals.append(Guess(signal, words.name, unit, bool(_has(words.words, _OUTPUT))))
@@ -204,7 +204,7 @@ def _timed(time: HeaderWords | None, signals: tuple[Guess, ...], left: tuple[str
     """Guesses with a time column or, without one, with rows that are operating points."""
     if time is not None:
         return Guesses(_time(time), signals, left, motion)
-    return Guesses(None, signals, left, motion, of_points=True, points_doubt="no column of time was found")
+    return Guesses(None, signals, left, motion, of_points=True, points_doubt="no time column was found")
 
 
 def _has(words: Sequence[str], pattern: str) -> bool:

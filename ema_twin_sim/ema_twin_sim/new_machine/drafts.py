@@ -63,9 +63,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         guesses = replace(guesses, signals=tuple(map(_turned_round, guesses.signals)))
         recordings = _read(draft_map(guesses, of, shaft), traces)
         columns = ", ".join(g.column for g in guesses.signals if g.turned_round)
-        assumed.append(
-            f"{columns} counts against the drive: the drive's torque falls where it rises, so its sign is turned"
-        )
+        assumed.append(f"{columns}: sign reversed, because the drive's torque falls when it rises")
     units = {guess.signal: guess.unit for guess in guesses.signals}
     questions = tuple(question for recording in recordings for question in questions_about_units(recording, units))
     known = None not in (units.get("motor_position"), units.get("speed"))
@@ -76,13 +74,13 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         shaft = Shaft("output", given.gear_ratio)
     unnamed = not any(guess.of_motor for guess in guesses.signals if guess.signal in ("motor_position", "speed"))
     if shaft == Shaft() and unnamed and (slow := too_slow_for_a_motor(recordings, given.gear_ratio)):
-        shaft = Shaft("output", given.gear_ratio, f"{slow}: taken for the output's angle")
+        shaft = Shaft("output", given.gear_ratio, f"{slow}: assumed to be the output's angle")
         guesses = replace(guesses, signals=tuple(map(_of_the_output, guesses.signals)))
         recordings = _read(draft_map(guesses, of, shaft), traces)
         columns = ", ".join(g.column for g in guesses.signals if g.of_output and g.signal in AT_EITHER_SHAFT)
         assumed.append(
-            f"{columns} told at the output's shaft: {slow} rad/s (where one is the motor's, write so in its name, "
-            "as in 'motor position [rad]', and run init again)"
+            f"{columns}: read as values of the output shaft, {slow} (if one is the motor's, say so in its name, as in "
+            "'motor position [rad]', and run init again)"
         )
     model = checked_model(recordings, given, shaft)
     asked = (*questions, *model.questions)
@@ -98,7 +96,7 @@ def _of_the_output(guess: Guess) -> Guess:
     """A column whose name gives no shaft, taken for the output's like the position; other columns unchanged."""
     if guess.of_motor or guess.of_output or guess.signal not in AT_EITHER_SHAFT:
         return guess
-    return replace(guess, of_output=True, shaft_doubt="taken for the output's, as the position is")
+    return replace(guess, of_output=True, shaft_doubt="assumed to be the output's, like the position")
 
 
 def _read(map_text: str, traces: Sequence[Path]) -> list[Recording]:

@@ -33,8 +33,9 @@ class Joint:
     def sentence(self) -> str:
         """Which joint was chosen and why, and how to choose another."""
         return (
-            f"the columns numbered {self.number}, of the joint that goes farthest; those of {', '.join(self.others)} "
-            "are not used (to have another joint, remove the others' columns, and run init again)"
+            f"the columns numbered {self.number}, of the joint with the largest motion; those of "
+            f"{', '.join(self.others)} are not used (to use another joint, remove the others' columns and run init "
+            "again)"
         )
 
 

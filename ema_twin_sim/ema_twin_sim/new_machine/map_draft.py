@@ -24,7 +24,7 @@ def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
     if guesses.motion != "rotary":
         lines.append(f"motion: {guesses.motion}")
     if guesses.of_points:
-        doubt = f"{guesses.points_doubt}; each row is taken for a point" if guesses.points_doubt else ""
+        doubt = f"{guesses.points_doubt}; each row is read as an operating point" if guesses.points_doubt else ""
         lines.append(f"operating_points: true{check_comment(doubt)}")
     if guesses.time is not None:
         unit = guesses.time.unit or "s"
@@ -33,10 +33,14 @@ def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
     lines.append("signals:")
     lines += [_signal_line(guess, guesses.motion, shaft) for guess in guesses.signals]
     if not guesses.drives:
-        without = "so that only what parts the two encoders shows" if guesses.both_encoders else "which all rests on"
+        without = (
+            "so only the difference between the two encoders can be analysed"
+            if guesses.both_encoders
+            else "which every analysis needs"
+        )
         lines.append(
-            f"# {CHECK}: no current and no torque was found, {without}. Where a voltage commands the drive's torque, "
-            "map it so:"
+            f"# {CHECK}: no current or torque was found, {without}. If a voltage commands the drive's torque, map it "
+            "like this:"
         )
         unit = signal_unit("motor_torque", guesses.motion)
         lines.append(f"#  motor_torque: {{columns: ['…'], unit: V, gain: {{value: …, unit: {unit}/V}}}}")
@@ -54,16 +58,16 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
         return check_comment("; ".join(filter(None, (at, shaft.doubt if of_position else guess.shaft_doubt))))
 
     if guess.unit == COUNTS:
-        doubt = look(guess.doubt if guess.counts else "the counts of one turn, all edges counted")
+        doubt = look(guess.doubt if guess.counts else "counts per turn (all edges counted)")
         return (
             f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], counts_per_revolution: "
             f"{guess.counts or ASSUMED_COUNTS:g}{of_output}}}{doubt}"
         )
     unit = guess.unit or signal_unit(guess.signal, motion)
-    sign = "the drive's torque falls where it rises: its sign is turned" if guess.turned_round else ""
-    doubt = look("; ".join(filter(None, (guess.doubt if guess.unit else "the header names no unit of it", sign))))
+    sign = "sign reversed: the drive's torque falls when it rises" if guess.turned_round else ""
+    doubt = look("; ".join(filter(None, (guess.doubt if guess.unit else "no unit in the header", sign))))
     if of_position and not doubt and not of_output and motion != "linear":
-        doubt = "  # of the motor's shaft; `shaft: output` where it is given as the output's"
+        doubt = "  # at the motor's shaft; add `shaft: output` if it is the output's"
     turned = ", factor: -1" if guess.turned_round else ""
     return f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], unit: {unit}{turned}{of_output}}}{doubt}"
 

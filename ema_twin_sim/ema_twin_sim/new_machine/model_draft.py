@@ -89,10 +89,10 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
         _friction_line(DRY_FRICTION, "motor", dry),
         *([_friction_line(f"{DRY_FRICTION}_2", "output", dry * _BEHIND)] if two_sided else []),
     ]
-    remedy = "where it is the motor's, remove `shaft: output` from its line of the model"
+    remedy = "if it is the motor's, remove `shaft: output` from its line of the model"
     if given.torque_constant:
-        remedy += f"; where it is in mN m/A, give {given.torque_constant / 1000.0:g}"
-    assumed = (f"torque constant told at the joint, the gear in it: {at_joint} ({remedy})",) if at_joint else ()
+        remedy += f"; if it is in mN m/A, give {given.torque_constant / 1000.0:g}"
+    assumed = (f"torque constant read as that of the joint, gear included: {at_joint} ({remedy})",) if at_joint else ()
     fastest = max(map(_fastest_of_motor(turns), recordings)) if recording.has("current") else 0.0
     question = question_about(given.torque_constant, turns, fastest, at_joint=bool(at_joint), motion=motion)
     questions = (question, _question_about_ratio(recording, given.gear_ratio, shaft))
@@ -117,11 +117,15 @@ def _inertia_lines(motion: str, inertia: float, two_sided: bool) -> list[str]:
         return f"  {name}: {{value: {value:g}, unit: {unit}, tolerance: open, source: start value}}  # {comment}"
 
     if not two_sided:
-        whole = "of all that moves" if motion == "linear" else "of all that turns, at the motor"
+        whole = "of all that moves" if motion == "linear" else "total inertia, at the motor"
         return [line("inertia", inertia, whole)]
     return [
         line("inertia", inertia * (1.0 - _BEHIND), "of what turns with the motor"),
-        line("output_inertia", inertia * _BEHIND, "of the rest, at the motor; only play or a spring tells them apart"),
+        line(
+            "output_inertia",
+            inertia * _BEHIND,
+            "of the rest, at the motor; distinguishable only with play or a compliant shaft",
+        ),
     ]
 
 
@@ -155,7 +159,7 @@ def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | 
     if shown is not None:
         doubt = ""
         if shown < 0.0:
-            doubt = "the shafts turn against each other: give the output's position `factor: -1` in the map"
+            doubt = "the shafts turn in opposite directions: give the output's position `factor: -1` in the map"
         elif abs(shown - 1.0) < ALIKE:
             doubt = "is the motor's position given as the output's? Then say `shaft: output` in the map"
         nearest = whole_ratio(shown, recording) if recording.motion == "rotary" else None
@@ -163,7 +167,8 @@ def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | 
             if abs(shown / nearest - 1.0) > EXACT:
                 doubt = (
                     doubt
-                    or f"the slope is {abs(shown):.6g}: taken for the whole number, which an angle error would bend"
+                    or f"the slope is {abs(shown):.6g}: rounded to a whole number, since an encoder's angle error "
+                    "would distort it"
                 )
             shown = nearest
         return _Ratio(abs(shown), "slope of both positions", doubt)
@@ -178,8 +183,8 @@ def _question_about_ratio(recording: Recording, given: float | None, shaft: Shaf
     if not given or shown is None or abs(abs(shown) / given - 1.0) <= SAME_RATIO:
         return ""
     return (
-        f"{recording.name}: the gear ratio was given as {given:g}, and both positions make it {abs(shown):.4g}; leave "
-        "--gear-ratio out to take that, or correct the unit or the counts of the position that is wrong"
+        f"{recording.name}: the gear ratio was given as {given:g}, but both positions give {abs(shown):.4g}; leave "
+        "--gear-ratio out to use that, or correct the unit or the counts of the position that is wrong"
     )
 
 
@@ -197,7 +202,7 @@ def _torque_lines(recording: Recording, given: float | None, at_joint: str) -> l
     source, doubt = ("given", "") if given else ("assumed", "take it from the motor's data sheet")
     shaft = ""
     if at_joint:
-        shaft, doubt = ", shaft: output", f"{at_joint}: taken for the joint's, the gear in it"
+        shaft, doubt = ", shaft: output", f"{at_joint}: assumed to be the joint's, gear included"
     unit = unit_in("N m/A", recording.motion)
     return [
         f"  torque_constant: {{value: {given or 1.0:g}, unit: {unit}{shaft}, source: {source}}}{check_comment(doubt)}"
@@ -222,7 +227,9 @@ def _drive_lines(recordings: Sequence[Recording], torque_constant: float) -> lis
     found = next((gains for gains in shown if gains is not None), None)
     motion = recordings[0].motion
     if found is None:
-        return ["# The setpoint does not tell the drive's gains: the measured current drives the twin."]
+        return [
+            "# The drive's gains could not be determined from the setpoint, so the measured current drives the twin."
+        ]
     source = "fitted: torque over speed error"
     gain, time = unit_in("N m s/rad", motion), f"{found.integral_time:.4g}"
     limit = unit_in("N m", motion)
@@ -276,7 +283,7 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
         torque = signal_unit("motor_torque", motion)
         lines.append(
             f"  current_noise: {{value: {noise:.3g}, unit: A, "
-            f"source: third differences of the recording; one ampere stands for one {torque}}}"
+            f"source: third differences of the recording; one ampere means one {torque}}}"
         )
     if not recording.of_points:
         lines.append(f"  sample_period: {{value: {recording.sample_period:g}, unit: s, tolerance: 0.0}}")

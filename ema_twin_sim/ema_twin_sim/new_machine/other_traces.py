@@ -32,14 +32,14 @@ def differing_columns(first: Path, guesses: Guesses, others: Sequence[Path]) -> 
             named["time"] = theirs.time.column
         if renamed := [f"{named[signal]!r} for {column!r}" for signal, column in missing.items() if signal in named]:
             raise InputError(
-                f"{other}: names its columns otherwise than {first}: {', '.join(renamed)}; give both the same names, "
+                f"{other}: has other column names than {first}: {', '.join(renamed)}; give both the same names, "
                 "or run init for each kind of file apart and make recordings of each by its map (ema-twin import --map)"
             )
         if missing:
-            yield f"{other}: has no column {', '.join(map(repr, missing.values()))}, as {first} has: read without"
+            yield f"{other}: lacks the column {', '.join(map(repr, missing.values()))} of {first}: read without it"
         known = {*wanted.values(), *guesses.left}
         if more := [column for signal, column in named.items() if signal not in wanted and column not in known]:
             yield (
-                f"{other}: its {', '.join(map(repr, more))} is not in {first}, after whose columns the map is made: "
-                f"not used; name {other} first to have it read"
+                f"{other}: its {', '.join(map(repr, more))} is not in {first}, from which the map is made, so it is "
+                f"not used; list {other} first to use it"
             )

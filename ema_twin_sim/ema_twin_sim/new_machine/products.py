@@ -47,7 +47,7 @@ def with_products_units(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> 
     speeds = [np.abs(numbers[guess.column]).max() for guess in guesses.signals if guess.signal == "speed"]
     if product is None or any(2.0 * math.pi * fastest > USUAL["speed"][1] for fastest in speeds):
         return guesses
-    doubt = f"no unit in the header; {product} tells turns"
+    doubt = f"no unit in the header; {product} logs turns"
     return replace(guesses, signals=tuple(_in_turns(guess, doubt) for guess in guesses.signals))
 
 

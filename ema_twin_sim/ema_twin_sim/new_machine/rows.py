@@ -31,8 +31,8 @@ def with_kind_of_rows(guesses: Guesses, numbers: Mapping[str, np.ndarray], said:
         guesses = replace(guesses, of_points=True, points_doubt=why)
     elif guesses.time is None and _is_time_series(guesses, numbers):
         raise InputError(
-            "the rows follow each other as samples do; export it too, in a column named 'time [s]' or 'time [ms]'; if "
-            "each row is an operating point, at rest or at a constant speed, give --operating-points"
+            "the rows look like samples; export the time too, in a column named 'time [s]' or 'time [ms]'; if each row "
+            "is an operating point, at rest or at constant speed, give --operating-points"
         )
     if guesses.of_points and guesses.time is not None and not (np.diff(numbers[guesses.time.column]) > 0.0).all():
         guesses = replace(guesses, time=None, left=(*guesses.left, guesses.time.column))
@@ -52,11 +52,11 @@ def _why_points(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> str:
         return ""
     known = _by_signal(guesses, numbers)
     if _rested(known):
-        return "the rows follow no clock, and the speed is zero at each"
+        return "the rows are not evenly spaced in time, and the speed is zero in each"
     longest = CONSTANTS["sensors.sample_period"].upper
     unit = guesses.time.unit
     if unit is not None and float(np.median(np.diff(time))) * TIME_UNITS[unit] * 1e-9 > longest:
-        return f"the rows follow no clock, and are more than {longest:g} s apart"
+        return f"the rows are not evenly spaced in time, and are more than {longest:g} s apart"
     return ""
 
 

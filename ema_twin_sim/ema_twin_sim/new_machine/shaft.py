@@ -62,17 +62,17 @@ def position_shaft(recording: Recording, gear_ratio: float | None, *, units_know
     times = way_by_speed(recording) if units_known else None
     if times is None:
         if alike and gear_ratio is not None and abs(gear_ratio - 1.0) > OWN:
-            return Shaft("output", gear_ratio, "it turns as the output does: taken for the output's angle")
+            return Shaft("output", gear_ratio, "it turns like the output: assumed to be the output's angle")
         return Shaft()
     if abs(abs(times) - 1.0) < OWN:
         return Shaft()
-    told = f"it goes {abs(times):.4g} times the way that the speed makes"
+    told = f"the position changes {abs(times):.4g} times as much as the integral of the speed"
     ratio = 1.0 / abs(times)
     if gear_ratio is not None and abs(ratio / gear_ratio - 1.0) > SAME_RATIO:
-        return Shaft(doubt=f"{told}, where 1 or one over the gear ratio was to be expected; are the units right?")
+        return Shaft(doubt=f"{told}; expected 1 or 1 / gear ratio. Are the units right?")
     if gear_ratio is None and not alike and (ratio < 1.0 or is_usual_mistake(times)):
-        return Shaft(doubt=f"{told}; are the units of both right?")
-    return Shaft("output", gear_ratio or ratio, f"{told}: taken for the output's angle")
+        return Shaft(doubt=f"{told}. Are the units of both right?")
+    return Shaft("output", gear_ratio or ratio, f"{told}: assumed to be the output's angle")
 
 
 def too_slow_for_a_motor(recordings: Sequence[Recording], gear_ratio: float | None) -> str:
@@ -85,7 +85,8 @@ def too_slow_for_a_motor(recordings: Sequence[Recording], gear_ratio: float | No
     fastest = max(fastest_motion(recording) for recording in recordings)
     if not 0.0 < fastest < SLOW_MOTOR:
         return ""
-    return f"no faster than {fastest:.3g} rad/s, where a motor behind a gear of {gear_ratio:g} exceeds {SLOW_MOTOR:g}"
+    least = f"a motor with a gear ratio of {gear_ratio:g} exceeds {SLOW_MOTOR:g} rad/s"
+    return f"no faster than {fastest:.3g} rad/s, while {least}"
 
 
 def fastest_motion(recording: Recording) -> float:

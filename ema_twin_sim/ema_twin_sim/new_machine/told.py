@@ -26,7 +26,7 @@ _TOLD = {
 ASSUMED = "assumed"
 _HOW = {
     "machine.gear_ratio": "give --gear-ratio",
-    "machine.torque_constant": "torques are told in amperes' worth; give --torque-constant from the data sheet",
+    "machine.torque_constant": "torques are given in amperes; give --torque-constant from the data sheet",
 }
 
 
@@ -60,7 +60,7 @@ def _assumed_unit(columns: Sequence[Guess], why: str, motion: str) -> str:
     told = [guess.unit or signal_unit(guess.signal, motion) for guess in columns]
     other = next((unit for unit in units_of(first.signal, motion) if unit not in told), told[0])
     names = ", ".join(f"{guess.column} in {unit}" for guess, unit in zip(columns, told, strict=True))
-    return f"{names}: {why} (else write the unit behind the name, as in '{first.column} [{other}]', and run init again)"
+    return f"{names}: {why} (otherwise add the unit to the name, as in '{first.column} [{other}]', and run init again)"
 
 
 def _values(model: Model) -> Iterator[tuple[str, str, str]]:
@@ -70,6 +70,6 @@ def _values(model: Model) -> Iterator[tuple[str, str, str]]:
         if held.source not in ("", ABSENT, AS_FINE_AS_NOISE):  # a position without steps shows no counts
             unit = model.unit(path)
             if unit == "1/rev":
-                yield path, name, f"{held.value:.0f} counts a turn"
+                yield path, name, f"{held.value:.0f} counts per turn"
             else:
                 yield path, name, f"{held.value:.4g}" if unit == "1" else quantity(held.value, unit)

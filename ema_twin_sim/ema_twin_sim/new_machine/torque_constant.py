@@ -28,7 +28,7 @@ def told_at_joint(torque_constant: float | None, gear_ratio: float, motor_speed:
         return ""
     return (
         f"a motor of {torque_constant:g} N m/A would induce {torque_constant * motor_speed:.0f} V at its "
-        f"{motor_speed:.3g} rad/s, where a drive has {BUS:g} V"
+        f"{motor_speed:.3g} rad/s; a drive has {BUS:g} V"
     )
 
 
@@ -52,9 +52,9 @@ def question_about(
         f"--torque-constant: a motor of {shown} would induce {motors * speed:.0f} V at "
         f"{speed:.3g} {unit_in('rad/s', motion)}, where a drive has {BUS:g} V"
     )
-    other = f"where it is in m{unit}, give {torque_constant / 1000.0:g}"
+    other = f"if it is in m{unit}, give {torque_constant / 1000.0:g}"
     if gear_ratio < GEARED and motion == "rotary":
-        other += "; where it is told behind a gear, give --gear-ratio"
+        other += "; if it is given at the output of a gear, give --gear-ratio"
     if motors * speed > TOO_MUCH * BUS:
         raise InputError(f"{why}; {other}")
     return f"{why}: is that right? {other[:1].upper()}{other[1:]}"

@@ -35,7 +35,7 @@ def _counted_on(guess: Guess, values: np.ndarray) -> tuple[Guess, np.ndarray]:
             turn = 2.0 * np.pi / units[unit]
             on, turns = counted_on(values, turn)
             if turns:
-                return replace(guess, unit=unit, doubt=f"no unit in the header; it begins again after {turn:.4g}"), on
+                return replace(guess, unit=unit, doubt=f"no unit in the header; it wraps after {turn:.4g}"), on
     if guess.unit in units:
         return guess, counted_on(values, 2.0 * np.pi / units[guess.unit])[0]
     counts = guess.counts or usual_counts(float(np.ptp(values)) + 1.0)

@@ -46,7 +46,7 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
     time_unit, time_doubt = clock.unit, ""
     if time_unit is None:
         time_unit = _time_unit(time, position, speed, numbers)
-        time_doubt = "no unit in the header; samples would come too seldom otherwise" if time_unit != "s" else ""
+        time_doubt = "no unit in the header; otherwise the sample period would be too long" if time_unit != "s" else ""
     seconds = (time - time[0]) * TIME_UNITS[time_unit] * 1e-9
     changed: dict[str, Guess] = {}
     output = known.get("output_position")
@@ -108,11 +108,13 @@ def _alike(position: Guess, speed: Guess, numbers: Mapping[str, np.ndarray]) -> 
         [] if step is None or is_decimal(step) else [u for u in alike if usual_counts(2.0 * math.pi / units[u] / step)]
     )
     fastest = float(np.nanmax(np.abs(numbers[speed.column])))
-    doubt = "no unit in the header; they would agree in other units of angle, too"
+    doubt = "no unit in the header; position and speed would also agree in other units of angle"
     if len(usual) == 1:
         unit = usual[0]
         counts = usual_counts(2.0 * math.pi / units[unit] / (step or 1.0)) or 0.0
-        doubt = f"no unit in the header; its steps are an encoder's of {counts:.0f} counts a turn so"
+        doubt = (
+            f"no unit in the header; with this one, its steps are those of an encoder with {counts:.0f} counts per turn"
+        )
     else:
         unit = "rad" if fastest <= USUAL["speed"][1] else "deg"
     return replace(position, unit=unit, doubt=doubt), replace(speed, unit=f"{unit}/s", doubt=doubt)
@@ -202,7 +204,9 @@ def _position_told(position: Guess, one: float) -> Guess | None:
 def _unusual(position: Guess, one: float) -> Guess:
     """A counter with counts per turn, by the speed, that no usual encoder has."""
     counts = 2.0 * math.pi / one
-    return replace(position, counts=round(counts), doubt=f"{counts:.6g} counts a turn by the speed; none is usual")
+    return replace(
+        position, counts=round(counts), doubt=f"{counts:.6g} counts per turn by the speed; this is not a usual number"
+    )
 
 
 def _ways(position: np.ndarray, speed: np.ndarray, time: np.ndarray) -> float | None:

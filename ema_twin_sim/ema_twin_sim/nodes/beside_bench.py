@@ -74,17 +74,19 @@ class BesideBench:
         elif self.follower.problem:
             level, message = diagnostics.ERROR, self.follower.problem
         elif stream.run is None:
-            level, message = diagnostics.WARN, "waits: no sample on bench/state yet"
+            level, message = diagnostics.WARN, "waiting for the first sample on bench/state"
         elif self.pace.complaint:
             level, message = diagnostics.WARN, self.pace.complaint
         elif self.incoming.complaint:
             level, message = diagnostics.WARN, self.incoming.complaint
         elif stream.lost:
-            level, message = diagnostics.WARN, f"{stream.lost} samples of this run were lost; integrated across"
+            level = diagnostics.WARN
+            message = f"{stream.lost} samples of this run were lost; the twin integrated across the gap"
         elif stream.unseen:
             level = diagnostics.WARN
             message = (
-                f"{stream.unseen} samples of this run were sent before the first that came here; they are not answered"
+                f"{stream.unseen} samples of this run were sent before this node received its first; they are not "
+                "answered"
             )
         else:
             level, message = diagnostics.OK, "answers every sample of the bench"

@@ -60,7 +60,7 @@ def _declarations(twin: Twin) -> list[Declaration]:
         Declaration(
             f"effects.{name}.{option}",
             instance.options[option],
-            f"which {option} of {name} it is",
+            f"option {option} of {name}",
             choices=choices,
             fixed=False,
         )

@@ -44,19 +44,21 @@ PARAMETERS = (
     Declaration(
         "input", "auto", "what drives the twin: see the twin's parameter", choices=("auto", "setpoint", "current")
     ),
-    Declaration("from_start", True, "take the samples that were sent before this node came"),
-    Declaration("window", 5.0, "length of the window that the level is judged by", "s", 0.01, 60.0),
+    Declaration("from_start", True, "also take samples that were sent before this node started"),
+    Declaration("window", 5.0, "length of the window for the health level", "s", 0.01, 60.0),
     Declaration("warn_at", 3.0, "RMSE over noise floor at which health is WARN", "1", 1.0, 1e6, fixed=False),
     Declaration("error_at", 10.0, "RMSE over noise floor at which health is ERROR", "1", 1.0, 1e6, fixed=False),
     Declaration("stale_after", 1.0, "time without a sample after which health is STALE", "s", 0.1, 60.0, fixed=False),
     Declaration("services", True, "serve monitor/diagnose and monitor/apply"),
     Declaration("twin", "twin", "name of the twin's node, whose parameters the services read and set"),
     Declaration("history", 150_000, "samples kept for a diagnosis: 5 minutes at 500 Hz", "1", 1000, 1_000_000),
-    Declaration("results", "", "a campaign's results, by whose healthy recordings the running unit is judged"),
-    Declaration("unit", "", "which of their units runs here; needed where they hold several"),
-    Declaration("healthy", "", "which of its recordings are healthy: as units --healthy has it"),
-    Declaration("judged_after", 60.0, "length of a run after which its last part is judged", "s", 1.0, 3600.0),
-    Declaration("capacity", CAPACITY, "samples of each side that may wait for their partner", "1", 1, 1_000_000),
+    Declaration("results", "", "campaign results whose healthy recordings the running unit is compared with"),
+    Declaration("unit", "", "the running unit; required if the results hold several"),
+    Declaration("healthy", "", "which of its recordings are healthy; same syntax as units --healthy"),
+    Declaration(
+        "judged_after", 60.0, "a continuing run is judged each time this long, by its last part", "s", 1.0, 3600.0
+    ),
+    Declaration("capacity", CAPACITY, "largest number of unpaired samples kept for each side", "1", 1, 1_000_000),
 )
 
 if TYPE_CHECKING:
@@ -169,7 +171,7 @@ class MonitorNode(Node):
         if not topics:
             return ""
         both = " and ".join(topics)
-        return f"more than one node publishes {both}: samples mix; end one, or use another ROS_DOMAIN_ID"
+        return f"more than one node publishes {both}: their samples mix; stop one, or use another ROS_DOMAIN_ID"
 
     @property
     def complete(self) -> bool:
@@ -227,7 +229,7 @@ class MonitorNode(Node):
         over = self.expected and self.complete
         if not over and now - self._pair_arrival > patience:
             silent = now - self._bench_arrival > patience
-            return Level.STALE, "no sample arrives" if silent else "the twin does not answer the bench's samples"
+            return Level.STALE, "no samples received" if silent else "the twin does not answer the bench's samples"
         comparison = self.comparison
         driven = DRIVEN.get(comparison.source, ())
         limits = self._limits["warn_at"], self._limits["error_at"]
@@ -294,12 +296,12 @@ class MonitorNode(Node):
         words = "; ".join([words, *wrong])
         unseen = min(pairing.bench.unseen, pairing.missing)
         if unseen:
-            words = f"{words}; {unseen} samples of this run were sent before the first that came here"
+            words = f"{words}; {unseen} samples of this run were sent before this node received its first"
         if pairing.missing > unseen:
             words = f"{words}; {pairing.missing - unseen} samples of this run are missing"
         if growing := self._trend.growing():
             words = (
-                f"{words}; the error of the {growing[0].replace('_', ' ')} grows by {100.0 * growing[1]:.0f} % an hour"
+                f"{words}; the error of the {growing[0].replace('_', ' ')} grows by {100.0 * growing[1]:.0f} % per hour"
             )
         figures: dict[str, object] = {
             "RMSE is that of the last": f"{self._window:g} s",

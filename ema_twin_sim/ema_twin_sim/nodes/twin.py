@@ -30,10 +30,10 @@ PARAMETERS = (
     Declaration(
         "input",
         "auto",
-        "what drives the twin: the bench's speed setpoint or current (auto: the first it has), or a command of its own",
+        "input of the twin: the bench's speed setpoint or current (auto: the first that it sends), or its own command",
         choices=("auto", "setpoint", "current", "standalone"),
     ),
-    Declaration("from_start", True, "take the samples that the bench sent before this node came"),
+    Declaration("from_start", True, "also take samples that the bench sent before this node started"),
     Declaration("command", "sine:0.02:1", f"command of a standalone twin: {FORMS}"),
     Declaration("command_start", 0.0, "added to the command", "rad or rad/s of the slow shaft", -1e6, 1e6),
     Declaration("command_phase", 0.0, "phase that a periodic command begins with", "rad", -10.0, 10.0),
@@ -77,7 +77,7 @@ class TwinNode(Node):
         """What the node logs when it is ready."""
         model = self.mode.twin.model.name
         if isinstance(self.mode, OwnClock):
-            return f"runs {model} by itself, with a command of its own"
+            return f"runs {model} standalone, with its own command"
         return f"answers every sample of {self.resolve_topic_name('bench/state')} with the model {model}"
 
     def model_as_it_stands(self, begun: Model) -> Model:

@@ -32,7 +32,7 @@ def backwards(content: Content) -> str:
         parts.append(f"is farther from the recordings{where}{than}")
     if not parts:
         return ""
-    end = ": were the two given in the other order?" if everywhere else "."
+    end = ": were the two models given in the wrong order?" if everywhere else "."
     return f"The second model, {after}, {', and '.join(parts)}{end}"
 
 

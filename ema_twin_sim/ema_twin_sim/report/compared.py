@@ -41,10 +41,10 @@ def compared(content: Content, charts: Charts) -> Markup:
         for place, name in enumerate(signals)
     ]
     longest = max(len(recording) for part in parts for recording in part.recordings)
-    drawn = " Of long recordings, the least and the largest of each stretch are drawn." if longest > points else ""
-    over = " Where the fitted model hardly differs, its thin line lies on the thick one of what was found."
+    drawn = " Long recordings are drawn as minimum and maximum of each interval." if longest > points else ""
+    over = " If the fitted model hardly differs, its thin line is on top of the thick line of the found model."
     drawn += over if len(content.models) > 2 else ""
-    how = f"Drag in a plot to zoom, all follow in time; double-click to see all again.{drawn}"
+    how = f"Drag in a plot to zoom (all plots follow in time); double-click to reset.{drawn}"
     return section(
         "compare",
         "Measured against twin",

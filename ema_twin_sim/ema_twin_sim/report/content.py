@@ -18,7 +18,7 @@ from ..words.fit_findings import FitFindings
 from .beside import Beside, beside
 from .fitted import TwoValues, two_values
 
-ROLES = ("your model", "with what was found", "fitted")
+ROLES = ("your model", "with the effects found", "fitted")
 """Names of three models in the tables and legends of a page or view."""
 
 

@@ -75,6 +75,6 @@ def check_same_effects(found: Model, fitted: Model, names: tuple[str, str]) -> N
         apart = sorted(name for name in {*first, *second} if first.get(name) != second.get(name))
         what = f" ({', '.join(apart)})" if apart else ""
         raise InputError(
-            f"{names[1]}: a third model is the second with its numbers fitted, but its effects or constants{what} are "
-            f"not those of {names[0]}; give what fit wrote of {names[0]}, or two models"
+            f"{names[1]}: the third model must be the second one after fit, but its effects or constants{what} differ "
+            f"from those of {names[0]}; give what fit wrote from {names[0]}, or two models"
         )

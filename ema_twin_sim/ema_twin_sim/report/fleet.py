@@ -74,7 +74,7 @@ def _overview(
     lacking = sum(bool(unit.missing) for unit in units)
     refused = sum(unit.refused + unit.failed for unit in units)
     lead = (
-        f"{lacking} with something missing in their model, {changed} with a number that has changed. "
+        f"{lacking} with effects missing in their model, {changed} with a changed parameter. "
         f"{sum(unit.judged for unit in units)} results; {refused} inputs could not be judged."
     )
     rows = [
@@ -90,7 +90,16 @@ def _overview(
         )
         for unit in units
     ]
-    head = ("unit", "judged", "not judged", "last recorded", "missing in", "beyond noise", "changed", "health")
+    head = (
+        "unit",
+        "judged",
+        "not judged",
+        "last recorded",
+        "missing effects (results)",
+        "error / noise",
+        "changed",
+        "health",
+    )
     found = table(head, rows, words=(0, 3, 4, 6, 7))
     box = tag("p", tag("label", "Show units with ", Markup('<input type="search" aria-label="filter">')))
     title = f"{len(units)} units"
@@ -109,7 +118,7 @@ def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> st
             "acquisition",
             "Acquisition",
             tag("p", f"{unit.judged} results, {unit.refused} refused, {unit.failed} failed."),
-            items(*remarks) if remarks else tag("p", "Nothing speaks against taking them together."),
+            items(*remarks) if remarks else tag("p", "All results can be compared with each other."),
         ),
         section("state", "State", tag("p", _state(unit)), *_tests(health)),
         section(
@@ -134,8 +143,8 @@ def _state(unit: Unit) -> str:
     if unit.beyond_noise is None:
         return "No error is known."
     if unit.beyond_noise <= 1.0:
-        return "In its last result, nothing stands out of the sensors' noise."
-    return f"In its last result, an error stands out of the sensors' noise by {unit.beyond_noise:.1f} times."
+        return "In its last result, all errors are within the sensors' noise."
+    return f"In its last result, the largest error is {unit.beyond_noise:.1f} times the sensors' noise."
 
 
 def _tests(health: UnitHealth | None) -> Iterator[Markup]:
@@ -143,7 +152,7 @@ def _tests(health: UnitHealth | None) -> Iterator[Markup]:
     if health is None or not health.tests:
         return
     for one in health.baselines:
-        yield tag("p", f"Beside {one.runs} healthy recordings of {one.tests} tests:")
+        yield tag("p", f"Compared with {one.runs} healthy recordings of {one.tests} tests:")
     rows = [
         (
             test.name,
@@ -154,11 +163,15 @@ def _tests(health: UnitHealth | None) -> Iterator[Markup]:
         )
         for test in health.tests
     ]
-    yield table(("test", "off", "distance of the limit's", "named", "what changed"), rows, words=(0, 3, 4))
+    yield table(("test", "deviating", "distance / limit", "fault family", "what changed"), rows, words=(0, 3, 4))
 
 
 def _unchanged(looks: Sequence[Outlook]) -> str:
-    return "No number has changed." if looks else "Too few results have numbers with standard errors to follow any."
+    return (
+        "No parameter has changed."
+        if looks
+        else "There are too few results with standard errors to follow a parameter."
+    )
 
 
 def _changed(look: Outlook) -> str:
@@ -173,7 +186,7 @@ def _leads(look: Outlook) -> str:
     told = []
     if look.trend is not None:
         slope = estimate(look.trend.slope, look.trend.slope_error, of.unit)
-        told.append(f"{number_words(look)} goes by {slope} a {by}.")
+        told.append(f"{number_words(look)} changes by {slope} per {by}.")
     if look.life is not None and look.life.latest == 0.0:
         told.append(f"{number_words(look)} has passed its limit.")
     elif look.life is not None:
@@ -189,9 +202,7 @@ def _advice(unit: Unit, changed: Sequence[Outlook], leading: Sequence[Outlook], 
         else f"Plan its maintenance: {number_words(look)} reaches its limit in {life_words(look)}."
         for look in ending
     ]
-    told += [
-        f"Look at what makes {number_words(look)} change: {effect_words(look.history.owner)}." for look in changed[:3]
-    ]
+    told += [f"Find out why {number_words(look)} changes: {effect_words(look.history.owner)}." for look in changed[:3]]
     if health is not None and health.off:
         told.append(health.off[-1].worst.words[-1])
     if unit.missing:
@@ -221,5 +232,5 @@ def _results(unit: Unit) -> Markup:
         )
         for row in unit.rows
     ]
-    head = ("recording", "recorded", "task", "verdict", "missing", "beyond noise", "why not")
+    head = ("recording", "recorded", "task", "verdict", "missing", "error / noise", "reason")
     return table(head, rows, words=(0, 1, 2, 3, 4, 6))

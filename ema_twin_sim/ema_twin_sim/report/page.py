@@ -62,7 +62,7 @@ def _next(content: Content) -> Markup:
     warnings = dict.fromkeys((*of_models, *(findings.warnings if findings else ())))
     told = [tag("p", "Warning: ", text, class_="warning") for text in warnings]
     if findings is None:
-        line = content.undiagnosed or "Not told: no search was made."
+        line = content.undiagnosed or "No recommendation: no search was made."
     else:
-        line = findings.next_recording or "Nothing is in doubt that another recording would settle."
+        line = findings.next_recording or "No doubt remains that another recording could resolve."
     return section("next", "What to record next", tag("p", f"{line[:1].upper()}{line[1:]}"), *told)

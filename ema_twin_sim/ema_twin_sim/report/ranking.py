@@ -26,15 +26,15 @@ from .chart import AFTER, BEFORE, RIVAL, Chart, Charts, Trace, axis, line
 from .content import Content
 from .markup import Markup, bar, capitalised, section, table, tag
 
-REFUSED = "nearest to what is left, but not added: it explains too little"
+REFUSED = "closest to the remaining error, but not added: it explains too little"
 """Caption of the signature of an effect that the search tried last and did not add."""
 _LEAST = 0.005  # smallest probability that is shown as more than none
 _UNLIKELY = 3  # number of effects below it that are shown
 _HEIGHT = 300  # pixels
 _HEADROOM = 1.4  # limit of the axis, times the largest median
 _QUANTITIES = {
-    "torque": "torque that the model leaves over",
-    "encoder_difference": "difference of the encoders that the model leaves over",
+    "torque": "residual torque of the model",
+    "encoder_difference": "residual encoder difference of the model",
 }
 
 
@@ -102,8 +102,8 @@ def _ranking(findings: Findings) -> Markup:
     ):
         rows.append((said, bar(probability or 0.0, f"{100.0 * (probability or 0.0):.0f} %", "refused"), "", ""))
     note = (
-        f"Probability: how sure it is that the effect is missing; several may be missing at once. {surest_sentence()} "
-        "Error removed: the share of the error above the sensors' noise that goes, on data not fitted to. "
+        f"Probability: that this effect is missing; several may be missing at once. {surest_sentence()} "
+        "Error removed: share of the error above the sensors' noise that it removes, on data not used for fitting. "
         "± is one standard error."
     )
     head = ("effect", "probability", "error removed", "size")
@@ -144,12 +144,12 @@ def _tried(findings: Findings) -> Markup:
         return Markup()
     return _with_note(
         table(
-            ("step", "tried", "gain, of the best"),
+            ("step", "tried", "gain, relative to the best"),
             rows,
             words=range(3),
             caption="Runners-up: what was tried in each step",
         ),
-        "Gain: the reduction of the misfit to torque and encoders, less a penalty for each number that is added.",
+        "Gain: the reduction of the misfit to torque and encoders, minus a penalty per added parameter.",
     )
 
 
@@ -201,7 +201,7 @@ def signature_chart(signature: Signature) -> Chart:
     caption = f"{capitalised(title)}{refused}: {left_over}, against {against}{rival}.{ways}"
     layout = {
         "xaxis": axis(f"{against} [{signature.against_unit}]"),
-        "yaxis": axis(f"left over [{unit}]", range=[-_HEADROOM * size / scale, _HEADROOM * size / scale]),
+        "yaxis": axis(f"residual [{unit}]", range=[-_HEADROOM * size / scale, _HEADROOM * size / scale]),
     }
     return Chart(caption, _HEIGHT, layout, traces)
 

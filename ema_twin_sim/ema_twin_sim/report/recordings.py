@@ -20,9 +20,9 @@ def recordings(content: Content) -> Markup:
     tables = [_by_recording(content.given, name, content.labels) for name in content.given.headlines]
     other = "the model after" if len(content.models) == 2 else "the other model"
     told = (
-        f"Times closer: the error of {'the model before' if len(content.models) == 2 else 'your model'}, above the "
-        f"sensors' noise (the root of RMSE² less noise floor²), over that of {other}. ≥: what the later model leaves "
-        "over is lost in the noise."
+        f"Times closer: error of {'the model before' if len(content.models) == 2 else 'your model'} over that of "
+        f"{other}, each with the noise subtracted (√(RMSE² − noise floor²)). ≥: the later model's error is within the "
+        "noise."
     )
     return section("recordings", "Recording by recording", *tables, tag("p", told, class_="aside"))
 
@@ -39,11 +39,11 @@ def held_out(content: Content) -> Markup:
     unseen = content.findings.unseen if content.findings is not None else None
     if unseen is not None and len(unseen.recordings) > 1:
         told = (
-            "None was given apart (--held-out). In the search, each recording was simulated with numbers that were "
-            "fitted to the others only:"
+            "No held-out recordings were given (--held-out). In the search, each recording was simulated with "
+            "parameters fitted to the other recordings only:"
         )
         return section("held-out", title, tag("p", told), _unseen(unseen))
-    told = "None was given (--held-out): what is shown above may be what the model was fitted to."
+    told = "None was given (--held-out): the recordings above may have been used for fitting."
     return section("held-out", title, tag("p", told))
 
 

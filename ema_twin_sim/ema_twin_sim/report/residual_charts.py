@@ -171,7 +171,7 @@ class _Signal:
         ]
         named = named_orders(model)
         marks, numbers = _marked([order for order, _ in named])
-        kind = "; taken as opposing the motion" if flips else ""
+        kind = "; assumed to oppose the motion" if flips else ""
         layout = {
             "xaxis": log_axis("order [cycles per turn of the motor]", ORDERS[highest >= ORDERS]),
             "yaxis": axis(f"amplitude, {self.words} [{unit}]", rangemode="tozero"),

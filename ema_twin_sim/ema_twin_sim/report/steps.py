@@ -54,7 +54,7 @@ def steps(content: Content, charts: Charts) -> Markup:
             "excess removed",
             "output before",
             "output after",
-            "runner-up, or why",
+            "runner-up, or reason",
         )
         parts.append(table(head, [*_refit(findings), *rows], words=(0, 6)))
     if findings is not None and findings.unseen is not None and len(findings.unseen.rmse) > 1:
@@ -78,7 +78,7 @@ def falling(findings: Findings, unseen: UnseenErrors) -> Chart:
     scale, unit = axis_unit(max(whole), unseen.unit)
     places = _places(findings, len(unseen.rmse))
     if len(whole) > len(unseen.rmse):
-        places = ["as given", REFIT, *places[1:]]
+        places = ["unchanged", REFIT, *places[1:]]
     at = np.arange(len(places))
     traces = [line(at, np.array(values) / scale, name, FAINT, width=1.2, **_points(5, FAINT)) for name, values in each]
     traces.append(line(at, np.array(whole) / scale, "all recordings", AFTER, width=3.5, **_points(10, AFTER)))
@@ -132,10 +132,12 @@ def _parameters(content: Content) -> list[Markup]:
     before, after = content.names[:2]
     came = new_effects(*content.before_and_after, content.findings)
     if len(content.models) == 2:
-        told = _of_effects(came, f"Parameters of what {after} has and {before} lacks")
+        told = _of_effects(came, f"Parameters of the effects that only {after} has")
     else:
-        told = _of_fitted_effects(came, content, "Parameters of what was found, and fitted; ± is one standard error")
-    return [*told, *_of_effects(gone_effects(content), f"Parameters of what {before} has and {after} lacks")]
+        told = _of_fitted_effects(
+            came, content, "Parameters of the effects found, before and after the fit; ± is one standard error"
+        )
+    return [*told, *_of_effects(gone_effects(content), f"Parameters of the effects that only {before} has")]
 
 
 def _of_effects(effects: Sequence[NewEffect], caption: str) -> list[Markup]:

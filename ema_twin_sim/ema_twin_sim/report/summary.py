@@ -47,7 +47,9 @@ def head(content: Content) -> Markup:
     cards = (
         _card("What was wrong", *_wrong(content)),
         _card("How sure that is", *_sure(content)),
-        _card("What is left" if len(content.models) == 2 else "What is left with what was found", *_left(content)),
+        _card(
+            "Remaining error" if len(content.models) == 2 else "Remaining error with the effects found", *_left(content)
+        ),
     )
     lead = tag("p", _lead(content), class_="lead")
     errors = error_table(content.given, content.labels)
@@ -83,18 +85,20 @@ def _lead(content: Content) -> str:
     """Sentences on how the errors of the main signals changed."""
     first, second = content.given.comparisons[:2]
     if not content.given.headlines:
-        return "These recordings hold no signal whose error tells one model from another."
+        return "No signal in these recordings distinguishes the models."
     parts = []
     for name in content.given.headlines:
         before, after = first.overall[name], second.overall[name]
-        way = "falls" if after["rmse"] < before["rmse"] else "does not fall: it goes"
+        way = "falls" if after["rmse"] < before["rmse"] else "does not decrease: it goes"
         sizes = f"{way} from {quantity(before['rmse'], before['unit'])} to {quantity(after['rmse'], after['unit'])}"
         parts.append(f"that of the {signal_words(name)} {sizes} ({_noises(after)})")
     said = listed(parts).removeprefix("that of")
     findings = content.findings
     refit = refit_sentence(findings.unseen, searched_model(content)) if findings and findings.unseen else ""
-    alone = f" {refit} What was found did the rest." if refit and findings and findings.added else f" {refit}"
-    of = f"From {content.names[0]} to {content.names[1]}" if len(content.models) == 2 else "With what was found"
+    alone = (
+        f" {refit} The effects found account for the rest." if refit and findings and findings.added else f" {refit}"
+    )
+    of = f"From {content.names[0]} to {content.names[1]}" if len(content.models) == 2 else "With the effects found"
     return f"{of}, the error (RMSE) of{said}.{alone} {_fitted(content)}".strip()
 
 
@@ -121,7 +125,7 @@ def _wrong(content: Content) -> list[Markup]:
     new, gone = new_effects(*content.before_and_after, content.findings), gone_effects(content)
     if not new and not gone:
         return [tag("p", "Both models have the same effects; only their numbers differ, as listed below.")]
-    left_out = [tag("p", f"{content.names[1]} leaves out:"), items(*map(_described, gone))] if gone else []
+    left_out = [tag("p", f"{content.names[1]} lacks:"), items(*map(_described, gone))] if gone else []
     if not new:
         return left_out
     told = any(held["std"] is not None for effect in new for held in effect.parameters.values())
@@ -142,24 +146,24 @@ def _described(effect: NewEffect) -> Markup:
 def _sure(content: Content) -> list[Markup]:
     findings = content.findings
     if findings is None:
-        return [tag("p", content.undiagnosed or "Not asked: no search was made.")]
+        return [tag("p", content.undiagnosed or "Not assessed: no search was made.")]
     lines = []
     new = new_effects(*content.before_and_after, findings)
     if not _agrees(content, new):
         said = verdict_of(findings, searched_model(content))
-        lines.append(f"A search on these recordings ends otherwise than {content.names[1]}: {said}")
+        lines.append(f"A search on these recordings gives a different result from {content.names[1]}: {said}")
     if findings.ranking:
         lines.append(_probabilities(content))
     runners = {step.instance: why_step(step) for step in findings.steps if step.action == "add"}
     lines += [f"Runner-up to {effect_words(name)}: {why}." for name, why in runners.items() if why != NO_RUNNER_UP]
     if unrivalled := [effect_words(name) for name, why in runners.items() if why == NO_RUNNER_UP]:
-        lines.append(f"Nothing else came near {listed(unrivalled)}.")
+        lines.append(f"No other effect came close to {listed(unrivalled)}.")
     if findings.groups:
         lines.append(groups_sentence(findings.groups))
     elif findings.verdict == "explained":
         lines.append("No other effect of the catalogue explains these recordings as well.")
     if findings.unseen is not None and len(findings.unseen.recordings) > 1:
-        lines.append("Judged on recordings that the numbers were not fitted to.")
+        lines.append("Evaluated on recordings that were not used for fitting.")
     return [items(*lines)]
 
 

@@ -39,9 +39,9 @@ def write_sweep_page(
     if axes in (1, 2):
         draw = _curve if axes == 1 else _map
         shares = [point.share for point in points]
-        figures = [draw(points, shares, "share of the results in which it was named", ratios)]
+        figures = [draw(points, shares, "share of the results in which it was found", ratios)]
         figures += [
-            draw(points, relative(points, k), f"least standard error of {path}, as a share of its value", ratios)
+            draw(points, relative(points, k), f"lowest standard error of {path}, as a share of its value", ratios)
             for k, (path, _, _) in enumerate(points[0].settings)
         ]
         parts.append(section("map", "Map", tag("div", *map(charts.add, filter(None, figures)), class_="grid")))

@@ -25,7 +25,7 @@ def where(content: Content, charts: Charts) -> Markup:
             orders[signal_words(each.signal)] = [[quantity(a, unit) for a in peaks] for *_, peaks in each.orders.named]
     if not figures:
         takes = f"{FEWEST_SAMPLES} samples, the current, and the motor's position or speed"
-        return section("where", "Where the models fail", tag("p", f"It cannot be told: that takes {takes}."))
+        return section("where", "Where the models fail", tag("p", f"This needs {takes}."))
     key = tag(
         "p",
         *_swatches(content.labels),
@@ -73,5 +73,5 @@ def sentences(given: Shown) -> list[str]:
         said = " ".join(text for text in found if text)
         if not poor:
             said = f"{capitalised(signals_listed(given.headlines))}: at the sensors' noise."
-        lines.append(said or "Where cannot be told.")
+        lines.append(said or "The location cannot be determined.")
     return lines

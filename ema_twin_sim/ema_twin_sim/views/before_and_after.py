@@ -31,7 +31,7 @@ def log_after(stream: rr.RecordingStream, given: Shown, names: Sequence[str], fi
     """Draw all models' errors and, if a search was made, how they fell step by step."""
     bars = _errors(given, names)
     highest = max([10.0, *(bar.value for bar in bars)])
-    axis = log_axis(0.5, 1.2 * highest, "RMSE over the sensors' noise: 1 is the best that can be")
+    axis = log_axis(0.5, 1.2 * highest, "RMSE / sensors' noise (1 is the best possible)")
     heading = listed(f"{name} ({colour})" for name, colour in zip(names, _COLOURS, strict=False))
     draw_bars(stream, f"{ROOT}/errors", bars, axis, heading)
     if findings is not None and findings.unseen is not None and len(findings.unseen.rmse) > 1:

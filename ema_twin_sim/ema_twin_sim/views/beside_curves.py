@@ -86,7 +86,7 @@ def signal_column(
     at: str, name: str, unit: str, residual_unit: str, along: str = "", tab: str | None = None
 ) -> rrb.Container:
     """One signal above, its residual below; ``along`` is the quantity shown as time, ``tab`` the name as a tab."""
-    over = f" over {along}, a second for each unit" if along else ""
+    over = f" over {along}, 1 s per unit" if along else ""
     words = signal_words(name)
     above = f"{words} [{unit}]: measured and twin{over}"
     below = f"{words}: measured − twin [{residual_unit}]"

@@ -82,7 +82,7 @@ def _log_words(stream: rr.RecordingStream, gearing: Gearing, meshes: dict[str, W
         (f"output ring, {g.output_ring_teeth} teeth: 1 turn in {abs(g.ratio):.4g} of the sun", 1.45 * aside + below),
         (f"sun, {g.sun_teeth} teeth: on the motor's shaft", np.array([0.0, 0.0, 3.0 * g.face_width])),
         (f"planets, {g.planet_teeth} teeth, on the carrier", -aside),
-        (f"their second teeth, {g.second_planet_teeth}", below - 1.25 * aside),
+        (f"second toothing of the planets, {g.second_planet_teeth} teeth", below - 1.25 * aside),
     ]
     places = [place for _, place in words]
     texts = [text for text, _ in words]
@@ -161,7 +161,7 @@ def train_tab(of: str, strongest: tuple[float, float, float], gearing: Gearing, 
         look_target=[0.0, 0.0, -0.5 * _APART * gearing.face_width],
         eye_up=[0.0, 0.0, 1.0],
     )
-    colours = "orange: torque the motor's way, blue: against it, grey: none"
+    colours = "orange: torque in the motor's direction, blue: against it, grey: none"
     most = ", ".join(
         f"{words.removeprefix('on the ')} {torque:.3g}"
         for (_, words, _), torque in zip(_TORQUES, strongest, strict=True)

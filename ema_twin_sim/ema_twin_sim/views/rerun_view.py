@@ -206,13 +206,13 @@ def live_blueprint(gearing: Gearing | None = None) -> rrb.Blueprint:
     told = [
         rrb.TimeSeriesView(
             origin="/error",
-            name="error of the last second above the noise [dB]",
+            name="RMSE of the last second relative to the noise [dB]",
             plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
         ),
         rrb.TimeSeriesView(origin="/unexplained_torque", name="unexplained torque [mN m, motor shaft]"),
         rrb.TextLogView(
             origin="/story",
-            name="story",
+            name="events",
             columns=rrb.TextLogColumns(timeline_columns=[TIMELINE], text_log_columns=["Body"]),
         ),
     ]

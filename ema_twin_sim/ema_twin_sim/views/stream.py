@@ -76,7 +76,9 @@ def finish_file(stream: rr.RecordingStream, path: Path, written: Path | None = N
             before, size = size, (written or path).stat().st_size
             if size == before:
                 _give_up(stream)
-                raise InputError(f"{path}: cannot be written to its end; make room, or choose another folder") from None
+                raise InputError(
+                    f"{path}: could not be written completely; free some space, or choose another folder"
+                ) from None
         else:
             stream.disconnect()
             return

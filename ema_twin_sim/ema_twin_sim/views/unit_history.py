@@ -39,7 +39,7 @@ def write_unit_history(
     if runs:
         origins = ["distance", *names]
         words = [
-            "distance, in times of the limit's",
+            "distance (1 = limit)",
             *(f"{name.replace('_', ' ')} [standard deviations]" for name in names),
         ]
         views = [

@@ -19,18 +19,18 @@ from .sheet import linear_axis
 ROOT = "why"
 _LONG = 90  # letters; a longer verdict takes a second line, so its heading is smaller
 _IN_A_ROW = 3  # signatures in a row
-_EXPLAINED = {"torque": "torque", "encoder_difference": "difference of the encoders"}
+_EXPLAINED = {"torque": "residual torque", "encoder_difference": "residual encoder difference"}
 
 
 def log_why(stream: rr.RecordingStream, findings: Findings, verdict: str) -> None:
     """Draw the ranking, the standard errors of the parameters and each signature; write the verdict."""
     if findings.ranking:
         draw_bars(stream, f"{ROOT}/ranking", _ranking(findings), linear_axis(0.0, 100.0, "probability [%]"),
-                  "Which effect is missing?  blue: found;  grey: refused")  # fmt: skip
+                  "Which effect is missing?  blue: found;  grey: rejected")  # fmt: skip
     sizes = _sizes(findings)
     if sizes:
         draw_bars(stream, f"{ROOT}/sizes", sizes, linear_axis(0.0, 200.0, "% of the value that was found"),
-                  "How well are the numbers known?  white: ± one standard error")  # fmt: skip
+                  "How accurate are the parameters?  white: ± one standard error")  # fmt: skip
     for number, signature in enumerate(told_signatures(findings)):
         draw(stream, f"{ROOT}/signature_{number}", signature_chart(signature)).done()
     heading = "#" if len(verdict) < _LONG else "###"

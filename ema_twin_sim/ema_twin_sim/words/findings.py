@@ -91,9 +91,11 @@ def read_findings(path: Path) -> Findings:
     try:
         content = json.loads(path.read_bytes())
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); name what discover --json wrote") from None
+        raise InputError(
+            f"{path}: cannot be read ({error.strerror}); give the file that discover --json wrote"
+        ) from None
     except ValueError as error:
-        raise InputError(f"{path}: is no JSON ({error}); name what discover --json wrote") from None
+        raise InputError(f"{path}: is not JSON ({error}); give the file that discover --json wrote") from None
     try:
         return _read(content)
     except (AttributeError, KeyError, TypeError, ValueError) as error:

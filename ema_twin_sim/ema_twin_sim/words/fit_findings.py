@@ -37,7 +37,7 @@ def read_fit_findings(path: Path) -> FitFindings:
     try:
         return _read(json.loads(path.read_bytes()))
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); name what fit --json wrote") from None
+        raise InputError(f"{path}: cannot be read ({error.strerror}); give the file that fit --json wrote") from None
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         what = f"{type(error).__name__}: {error}"
         raise InputError(f"{path}: is not what fit --json writes ({what})") from None

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from .findings import Findings, UnseenErrors
     from .fit_findings import FitFindings
 
-NO_RUNNER_UP = "none came near"
+NO_RUNNER_UP = "no close runner-up"
 YOURS = "Your model"
-REFIT = "its own constants"
-REFIT_IS = "the constants of the given model fitted, no effect yet"
+REFIT = "constants refitted"
+REFIT_IS = "the constants of the given model refitted, no effect added"
 _NOTHING = 0.0005  # relative change of an error; a smaller one is not shown
 _WHOLE = 0.02  # cycles per turn; an order this near to a whole number counts as whole
 _NAMES = {"stribeck": "Stribeck", "coulomb": "Coulomb"}
@@ -35,7 +35,7 @@ _DEPENDENCES = {
     "order": "the motor's angle, repeating with its turns",
     "load": "the load",
     "acceleration": "the acceleration",
-    "encoders": "how the two encoders part",
+    "encoders": "the difference between the encoders",
 }
 
 
@@ -63,12 +63,12 @@ def dependence_words(depends_on: Iterable[str]) -> str:
 def removed_words(share: float | None, before: float = 0.0, after: float = 0.0) -> str:
     """The share of an error that was removed: ``99.9 %``; 100 % only if all of it was. A dash if there was no error.
 
-    ``farther`` if the RMSE grew from ``before`` to ``after``.
+    ``larger error`` if the RMSE grew from ``before`` to ``after``.
     """
     if share is None:
         return "–"
     if after > (1.0 + _NOTHING) * before:
-        return "farther"
+        return "larger error"
     told = told_share(share)
     return "over 99.9 %" if 1.0 - _NOTHING <= told < 1.0 else f"{100.0 * told:.1f} %"
 
@@ -85,8 +85,8 @@ def left_sentence(unseen: Unseen | UnseenErrors) -> str:
 def surest_sentence() -> str:
     """A sentence that says why no probability is given above ``SUREST``."""
     return (
-        f"No probability is given above {100.0 * SUREST:.0f} %: that share of such answers was right on machines whose "
-        "missing effect was known."
+        f"Probabilities are capped at {100.0 * SUREST:.0f} %: in tests with a known missing effect, that share of such "
+        "answers was right."
     )
 
 
@@ -97,7 +97,7 @@ def refit_sentence(unseen: Unseen | UnseenErrors, model: str = YOURS) -> str:
     before, after = quantity(unseen.given, unseen.unit), quantity(unseen.rmse[0], unseen.unit)
     whose = f"{model[:1].lower()}{model[1:]}" if model == YOURS else model
     error = f"the error of the {unseen.signal.replace('_', ' ')}"
-    does = f"leaves {error} at {after}" if before == after else f"takes {error} from {before} to {after}"
+    does = f"leaves {error} at {after}" if before == after else f"changes {error} from {before} to {after}"
     return f"Fitting the constants of {whose} alone {does}."
 
 
@@ -130,10 +130,10 @@ def fit_sentences(
     before, after = (quantity(values[worst], fitted[worst]["unit"]) for values in (fit.before, fit.after))
     gain = ""
     if fit.after[worst] >= fit.before[worst]:
-        gain = "; fitting shows no gain there: keep the model that was found"
+        gain = "; fitting brings no gain there: keep the found model"
     which = "that error" if len(telling) == 1 else f"the error of the {worst.replace('_', ' ')}"
-    beside = f"the found model, whose numbers had all recordings, has {before} there"
-    return f"{said} On what was not fitted to ({fit.judged_on}), {which} is {after}; {beside}{gain}."
+    beside = f"the found model, which was fitted to all recordings, has {before} there"
+    return f"{said} On data not used for the fit ({fit.judged_on}), {which} is {after}; {beside}{gain}."
 
 
 def beyond_words(beyond: Mapping[str, float]) -> str:
@@ -164,17 +164,19 @@ def verdict_sentence(
     if verdict == "none":
         of = "" if model == YOURS else f" in {model}"
         if beyond:
-            return f"No effect is missing{of} that these recordings could show, but {beyond_words(beyond)}."
-        return f"Nothing is missing{of} that these recordings could show."
+            return f"These recordings show no missing effect{of}, but {beyond_words(beyond)}."
+        return f"These recordings show nothing missing{of}."
     if verdict == "explained":
         return f"{lacks}."
     along = f": {left_over}" if left_over else ""
-    left = f"; the remaining error depends on {dependence_words(depends_on)}{along}" if depends_on else ""
-    start = f"{lacks}; and something more" if lacks else "Something"
-    looked_for = "effect of the catalogue explains"
+    start, error = (
+        (f"{lacks}. A further error remains", "it") if lacks else ("Something is missing", "the remaining error")
+    )
+    left = f"; {error} depends on {dependence_words(depends_on)}{along}" if depends_on else ""
+    explains = "no effect of the catalogue explains"
     if without:
-        looked_for = f"effect but perhaps {listed(map(effect_words, without), 'or')} (not looked for) explains"
-    return f"{start} is missing that no {looked_for}{left}."
+        explains = f"no effect explains, except possibly {listed(map(effect_words, without), 'or')} (excluded)"
+    return f"{start} that {explains}{left}."
 
 
 def verdict_of(found: Discovery | Findings, model: str = YOURS, without: Sequence[str] = ()) -> str:
@@ -196,7 +198,7 @@ def no_effect_words(beyond: Mapping[str, float]) -> str:
     return "no effect" if beyond else "nothing"
 
 
-NOT_IN_CATALOGUE = "an effect that the catalogue lacks"
+NOT_IN_CATALOGUE = "an effect not in the catalogue"
 """Label of the rest of the probability."""
 
 
@@ -226,14 +228,14 @@ def order_sentences(model: Model, names: Iterable[str]) -> list[str]:
         shaft = "motor" if float(order) == cycles else "output"
         within = ORDER_ERROR * cycles / float(order)  # the tolerance is in orders of the effect's own shaft
         if parts := model.order_names(cycles, within):
-            told.append(f"{effect_words(name)}: order {order} of the {shaft} is that of {', or '.join(parts)}.")
+            told.append(f"{effect_words(name)}: order {order} of the {shaft} matches {', or '.join(parts)}.")
         else:
             unnamed.setdefault((shaft, _what_repeats(shaft, cycles)), []).append(order)
-    said = "names nothing that repeats so" if model.orders else "names no orders (`orders:` in its file)"
+    said = "names no part with this order" if model.orders else "names no orders (`orders:` in its file)"
     for (shaft, what), orders in unnamed.items():
         both = ", and so of the output" if shaft == "motor" and model.is_direct else ""
         times = listed(orders)
-        told.append(f"Found to repeat {times} times in a turn of the {shaft}{both}, as {what} may; the model {said}.")
+        told.append(f"Repeats {times} times per turn of the {shaft}{both}, possibly from {what}; the model {said}.")
     return told
 
 

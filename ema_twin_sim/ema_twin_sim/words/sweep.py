@@ -11,26 +11,27 @@ from ..quantities import quantity
 if TYPE_CHECKING:
     from ..campaign.sweep_points import DetectionLimit, Swept, SweptPoint
 
-_COLUMNS = {"least error": "bound", "error told": "told", "errors were": "scatter"}
+_COLUMNS = {"lowest error": "bound", "reported error": "told", "actual error": "scatter"}
 
 
 def columns(points: Sequence[SweptPoint]) -> tuple[str, ...]:
     """The columns after the varied numbers; only the bounds if no point was searched."""
-    return ("named", *_COLUMNS) if any(point.searched for point in points) else ("least error",)
+    return ("found", *_COLUMNS) if any(point.searched for point in points) else ("lowest error",)
 
 
 def meaning(points: Sequence[SweptPoint]) -> str:
     """A sentence on what these columns hold."""
-    bound = "Least error: Cramér and Rao's bound of the standard error."
-    return f"{bound} Told: by the search. Were: their root mean square." if len(columns(points)) > 1 else bound
+    bound = "Lowest error: Cramér-Rao bound of the standard error."
+    searched = "Reported: standard error given by the search. Actual: RMS error of its estimates."
+    return f"{bound} {searched}" if len(columns(points)) > 1 else bound
 
 
 def limit_words(limit: DetectionLimit) -> str:
     """A sentence on the size from which an effect is named, and that below which no method could be sure of it."""
-    named = "at none of these sizes" if limit.named is None else f"from {quantity(limit.named, limit.unit)} on"
+    found = "at none of these sizes" if limit.named is None else f"from {quantity(limit.named, limit.unit)} on"
     return (
-        f"{limit.path} is named {named}; below {quantity(limit.bound, limit.unit)}, {SIGNIFICANT:g} times the least "
-        "standard error, no method could be sure of it."
+        f"{limit.path} is found {found}; below {quantity(limit.bound, limit.unit)}, {SIGNIFICANT:g} times the lowest "
+        "standard error, no method can detect it reliably."
     )
 
 
@@ -40,7 +41,7 @@ def point_cells(point: SweptPoint, columns: Sequence[str]) -> tuple[str, ...]:
     varied = [held.get(path) for path, _, _ in point.settings]
     return (
         *(quantity(value, unit) for _, value, unit in point.settings),
-        *(_named(point) if column == "named" else _cells(varied, _COLUMNS[column]) for column in columns),
+        *(_named(point) if column == "found" else _cells(varied, _COLUMNS[column]) for column in columns),
     )
 
 

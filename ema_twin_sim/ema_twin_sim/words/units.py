@@ -63,9 +63,9 @@ def health_words(health: UnitHealth | None) -> str:
     if health is None or not health.baselines:
         return ""
     if not health.off:
-        return f"as its healthy tests ({len(health.tests)} others)"
+        return f"like its healthy tests ({len(health.tests)} others)"
     last = health.off[-1]
-    return f"{len(health.off)}/{len(health.tests)} tests off, last {last.name}: {named_words(last)}"
+    return f"{len(health.off)} of {len(health.tests)} tests deviate, the last {last.name}: {named_words(last)}"
 
 
 def missing_words(unit: Unit) -> str:

@@ -39,7 +39,7 @@ def settings_for(answer: Answer, effects: Sequence[str]) -> tuple[dict[str, Sett
         if entry is None:
             known = tuple(dict.fromkeys(entry["effect"] for entry in ranking))
             hint = nearest(id, known) if known else "it is empty"
-            raise InputError(f"the last diagnosis does not hold '{id}'; {hint}")
+            raise InputError(f"the last diagnosis has no effect '{id}'; {hint}")
         start = f"effects.{entry['instance']}."
         held = {path: value for path, value in answer.settings.items() if path.startswith(start)}
         settings |= held or _alone(entry)

@@ -39,7 +39,7 @@ def judge(job: Job) -> Answer:
         return Answer(None, refusal=str(error))
     except Exception as error:  # our own fault: traceback to standard error, one line to the caller
         traceback.print_exc()
-        return Answer(None, refusal=f"an internal fault, told on the monitor's standard error: {error!r}")
+        return Answer(None, refusal=f"internal error (traceback on the monitor's standard error): {error!r}")
     new = {kind(held): name for name, held in found.model.active.items() if name not in base.active}
     for entry in diagnosis["ranking"]:
         entry["instance"] = new.get(_kind(entry)) or _next_name(present, entry["effect"])

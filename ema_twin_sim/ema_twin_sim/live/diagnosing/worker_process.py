@@ -19,7 +19,7 @@ from .frames import Answer, Job, receive_answer, send
 
 # do not import files of the folder where the monitor was started
 _PROGRAM = f"import sys; del sys.path[0]; from {__package__}.worker import main; raise SystemExit(main())"
-_OVER = "the monitor is ending; no diagnosis is made any more"
+_OVER = "the monitor is shutting down; no further diagnosis"
 _ENDING = 2.0
 """Time in s that the process has to end."""
 
@@ -51,7 +51,7 @@ class WorkerProcess:
                         start_new_session=True,  # the nodes answer Ctrl-C, and close its input
                     )
                 except OSError as error:
-                    raise InputError(f"the process that diagnoses cannot be started: {error}") from None
+                    raise InputError(f"the diagnosis process cannot be started: {error}") from None
             return self._process
 
     def ask(self, recordings: Sequence[Recording], model: Model, base: Model) -> Answer:
@@ -75,8 +75,8 @@ class WorkerProcess:
                 raise InputError(_OVER)
             status = process.wait()
             raise InputError(
-                f"the process that diagnoses ended before it answered (status {status}); call again, its messages are "
-                "on the monitor's standard error"
+                f"the diagnosis process ended without an answer (status {status}); call again. Its messages are on the "
+                "monitor's standard error"
             )
         return answer
 

@@ -34,11 +34,11 @@ _THREADS = 3
 """One for the call in progress, one to refuse calls meanwhile, one for the twin's answers."""
 _ENDING = 3.0
 """Time in s within which the call in progress must give up."""
-_BUSY = "a diagnosis is being made, or applied; call again when that is over (monitor/diagnosis tells)"
-_OVER = "the monitor is ending"
+_BUSY = "a diagnosis or apply is in progress; call again when it has finished (see monitor/diagnosis)"
+_OVER = "the monitor is shutting down"
 
 _VERDICTS = {
-    "none": "no effect is missing that these samples could show",
+    "none": "these samples show no missing effect",
     "unknown": "something is missing that no effect explains",
 }
 
@@ -96,7 +96,7 @@ class DiagnosisNode(Node):
         """
         with self._alone():
             if not 0.0 <= window <= 1e6:
-                raise InputError(f"window {window} s is refused; give seconds, or 0 for the whole run")
+                raise InputError(f"window {window} s is out of range; give seconds, or 0 for the whole run")
             name, run = self._watched.place()
             recordings = self._watched.history.recordings(window, name)
             answer = self._worker.ask(recordings, *self._twin.models(self._watched.model, self._applied))
@@ -130,12 +130,12 @@ class DiagnosisNode(Node):
         if self._busy.locked():
             return "diagnosis or apply in progress"
         if self._failure:
-            return f"not told: {self._failure}"
+            return f"no result: {self._failure}"
         if last is None or last.diagnosis is None:
-            return "not asked yet: call monitor/diagnose"
+            return "no diagnosis yet: call monitor/diagnose"
         found = [entry["effect"] for entry in last.diagnosis["ranking"] if entry["found"]]
         told = ", ".join(found) or _VERDICTS[last.diagnosis["verdict"]]
-        return f"last diagnosis: {told}{'; added since, in part or whole' if self._added else ''}"
+        return f"last diagnosis: {told}{'; since then added to the twin, fully or in part' if self._added else ''}"
 
     def close(self) -> None:
         """End the thread and the process, even if they are busy."""
@@ -178,7 +178,7 @@ class DiagnosisNode(Node):
         if isinstance(error, InputError):
             return str(error)
         self.get_logger().error("".join(traceback.format_exception(error)))
-        return f"an internal fault, told on the monitor's standard error: {type(error).__name__}: {error}"
+        return f"internal error (traceback on the monitor's standard error): {type(error).__name__}: {error}"
 
     def _on_diagnose(self, request: Diagnose.Request, response: Diagnose.Response) -> Diagnose.Response:
         try:

@@ -77,8 +77,8 @@ class RunningTwin:
         while not self._client.wait_for_services(_LOOK):
             if self._closing.is_set() or time.monotonic() > end:
                 raise InputError(
-                    f"no node '{self._name}' answers in this namespace; start it: ros2 run ema_twin_sim twin (or tell "
-                    "the monitor its name: parameter twin)"
+                    f"no node '{self._name}' answers in this namespace; start it: ros2 run ema_twin_sim twin (or set "
+                    "the monitor's parameter twin to its name)"
                 )
         return list(self._wait(self._client.list_parameters([], 0)).result.names)
 
