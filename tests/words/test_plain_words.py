@@ -10,7 +10,7 @@ from ema_twin_sim.discovery.cautions import of_open_constants
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
-from ema_twin_sim.words.sentences import left_sentence, removed_words, surest_sentence
+from ema_twin_sim.words.sentences import change_words, left_sentence, removed_words, surest_sentence
 
 FLOOR = 15e-3  # A
 
@@ -44,3 +44,11 @@ def test_what_one_direction_cannot_tell_apart_is_said(stock, reverses):
     runs = [virtual_bench(loaded, one, 5.0, name=f"run {k}", seed=k) for k, one in enumerate(driven)]
     said = [text for text in discover(runs, stock).warnings if "record a motion in both directions" in text]
     assert len(said) == (0 if reverses else 1)
+
+
+@pytest.mark.parametrize(
+    ("value", "nominal", "words"),
+    [(1.004, 1.0, "+0.4 %"), (0.131, 1e-3, "× 131"), (2e-5, 1e-3, "× 0.02"), (2.9, 1.0, "+190.0 %"), (1.0, 0.0, "")],
+)
+def test_a_constant_far_from_its_start_value_is_told_as_a_factor(value, nominal, words):
+    assert change_words({"value": value, "nominal": nominal}) == words

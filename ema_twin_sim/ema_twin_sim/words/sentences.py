@@ -24,6 +24,7 @@ YOURS = "Your model"
 REFIT = "constants refitted"
 REFIT_IS = "the constants of the given model refitted, no effect added"
 _NOTHING = 0.0005  # relative change of an error; a smaller one is not shown
+_MANY_TIMES = 3.0  # from which on a change is told as a factor
 _WHOLE = 0.02  # cycles per turn; an order this near to a whole number counts as whole
 _NAMES = {"stribeck": "Stribeck", "coulomb": "Coulomb"}
 _DEPENDENCES = {
@@ -278,8 +279,12 @@ def _runner_up(step: Step) -> str:
 
 
 def change_words(held: Mapping[str, Any]) -> str:
-    """By how much a refitted constant moved: ``+0.4 %``; empty if it was zero."""
-    return f"{100.0 * (held['value'] / held['nominal'] - 1.0):+.1f} %" if held["nominal"] else ""
+    """By how much a refitted constant moved: ``+0.4 %``, or ``× 131`` from a start value; empty if it was zero."""
+    if not held["nominal"]:
+        return ""
+    ratio = held["value"] / held["nominal"]
+    far = ratio > _MANY_TIMES or 0.0 < ratio < 1.0 / _MANY_TIMES
+    return f"× {ratio:.3g}" if far else f"{100.0 * (ratio - 1.0):+.1f} %"
 
 
 def has_moved(held: Mapping[str, Any]) -> bool:
