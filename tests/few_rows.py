@@ -29,7 +29,6 @@ def few_rows(torque, noise=0.01, encoder=(), encoder_noise=1e-5, name="by_hand")
         torque=np.asarray(torque, float),
         torque_rate=np.zeros(count),
         acceleration=np.zeros(count),
-        acceleration_noise=0.0,
         torque_noise=np.full(count, noise),
         torque_step=0.0,
         coarse=False,

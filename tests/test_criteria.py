@@ -33,8 +33,7 @@ METHOD = {
     "identification/equation.py": "NOWHERE KEPT",
     "identification/excerpt.py": "EXCERPT EXCERPTS MOST_TURNS",
     "identification/fit.py": "INITIAL_DAMPING NO_GAIN",
-    "identification/acceleration_noise.py": "MOST",
-    "measured/quieter_motion.py": "LEAST_PERIODS AS_QUIET ENOUGH",
+    "measured/quieter_motion.py": "LEAST_PERIODS MOST_PERIODS AS_QUIET STRETCHES STRETCH",
     "identification/generic_bases.py": (
         "KNOTS LEAST_KNOTS KNOT MOST_KNOTS LONGEST_WAVE SHORTEST_WAVE WAVES ORDERS BASIS_STEPS"
     ),

@@ -179,5 +179,5 @@ COUNTED = 2.5
 FEWEST_ROWS = 20
 """Rows that a recording needs to be informative. A mean square of fewer is uncertain by a third."""
 LEAST_ROWS = 50
-"""Minimum rows of motion in all recordings together: ten for each of the three constants and of an effect's two
-parameters. Logs of real joints at 30 Hz, right with 80 rows, hold fewer than a hundred."""
+"""Rows of motion that all recordings together need. As CORRELATION rows count as one: five for each of three constants
+and of an effect's two parameters. Logs of real joints at 30 Hz give right constants with 80 rows."""

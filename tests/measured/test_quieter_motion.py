@@ -52,23 +52,47 @@ def motor():
 
 
 def test_a_speed_of_single_counts_is_left_out_and_said_so(motor):
-    given = swung()
+    given = [swung(), swung(rate=2.0)]
     found = as_measured(given, motor)
-    assert {*given.signals} - {*found.signals} == {"speed"}
-    assert "its speed is too noisy for the acceleration" in found.warnings[-1]
-    assert as_measured(found, motor) is found  # and said so once
+    assert [{*one.signals} - {*other.signals} for one, other in zip(given, found, strict=True)] == [{"speed"}] * 2
+    assert "swung and 1 more: the speed is too noisy for the acceleration" in found[0].warnings[-1]
+    assert not found[1].warnings
+    assert [one.warnings for one in as_measured(found, motor)] == [one.warnings for one in found]  # said so once
 
 
 @pytest.mark.parametrize("recording", [swung(speed_noise=2e-3), swung(speed_noise=0.0)])
 def test_a_quiet_speed_stays(recording, motor):
-    assert as_measured(recording, motor) is recording
+    assert as_measured([recording], motor) == [recording]
+
+
+def test_a_noisy_speed_stays_where_the_position_is_coarser_still(motor):
+    """A fifth of a turn is told apart, no less: its second derivative is noisier than the speed's first."""
+    coarse = motor.with_value("sensors.motor_encoder_counts", 20.0)
+    recording = swung(speed_noise=1.0)
+    assert as_measured([recording], coarse) == [recording]
+
+
+def test_one_answer_for_recordings_of_the_same_sensors(motor):
+    """A slow swing alone hardly accelerates; beside a fast one the same speed is good enough for both."""
+    slow, fast = swung(rate=0.1, speed_noise=0.2), swung(rate=8.0, speed_noise=0.2)
+    assert [one.has("speed") for one in as_measured([slow, fast], motor)] == [True, True]
+    assert not as_measured([slow], motor)[0].has("speed")
 
 
 def test_a_machine_at_another_scale_keeps_what_a_similar_one_keeps(motor):
     units = OwnUnits(time=7.0, torque=0.2, current=0.2)
     for noise in (None, 2e-3):
-        found = as_measured(recording_in(swung(speed_noise=noise), units), motor)
+        (found,) = as_measured([recording_in(swung(speed_noise=noise), units)], motor)
         assert found.has("speed") == (noise is not None)
+
+
+def test_a_long_pause_and_missing_values_cost_no_memory(motor):
+    given = swung()
+    stamps = given.stamps + np.where(np.arange(len(given)) > 5000, 86_400 * 1_000_000_000 * 30, 0)
+    speed = given.signals["speed"].copy()
+    speed[::7] = np.nan
+    paused = replace(given, stamps=stamps, signals={**given.signals, "speed": speed})
+    assert not as_measured([paused], motor)[0].has("speed")
 
 
 def test_a_weight_is_found_behind_a_speed_of_single_counts(motor):

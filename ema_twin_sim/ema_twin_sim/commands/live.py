@@ -142,7 +142,7 @@ def run(
             raise InputError(f"{run}: holds {len(recordings)} recordings; live plays one, name it")
         refuse_points(recordings[0])
         refuse_encoders_alone(recordings[0])
-        recording = as_measured(recordings[0], found)
+        recording = as_measured(recordings, found)[0]
     driving = choose_input(recording, found, input) if recording is not None else input
     if recording is not None and driving is not None:
         refuse_recording_beyond_link(found, recording, driving)

@@ -109,9 +109,8 @@ class EquationErrorProblem(WeightedRows):
 
     def _in_noise(self, h: Hypothesis, plant: np.void, rows: np.ndarray) -> np.ndarray:
         """Rows (m,) in units of noise, from required torque [N m] and encoder difference [rad]."""
-        torque = (rows[: self.size] + accelerated_inertia(plant) * self.acceleration) / torque_scale(
-            plant
-        ) + h.lag() * self.rate
+        inertia = plant["motor_inertia"] + (plant["output_inertia"] if plant["two_inertia"] == 0.0 else 0.0)
+        torque = (rows[: self.size] + inertia * self.acceleration) / torque_scale(plant) + h.lag() * self.rate
         rows[: self.size] = torque / self.noise
         rows[self.size :] /= self.encoder_noise
         rows = self.whitened(rows)
@@ -204,11 +203,6 @@ class EquationErrorProblem(WeightedRows):
         """Residual (m,) of the measured signals in units of the sensors' noise, wandering friction included."""
         rows = self.residual(predicted)
         return rows if self.weighting.wander is None else self.weighting.wander.as_measured(rows)
-
-
-def accelerated_inertia(plant: np.void) -> float:
-    """Inertia [kg m^2] that moves with the motor's measured acceleration."""
-    return float(plant["motor_inertia"] + (plant["output_inertia"] if plant["two_inertia"] == 0.0 else 0.0))
 
 
 def torque_scale(plant: np.void) -> float:

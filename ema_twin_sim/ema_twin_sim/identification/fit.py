@@ -11,7 +11,6 @@ import numpy as np
 
 from ..criteria import CORRELATION
 from ..parallel import predictions
-from .acceleration_noise import AccelerationNoise
 from .along_slopes import AlongSlopes
 from .equation import EquationErrorProblem
 from .hypothesis import Hypothesis
@@ -128,7 +127,7 @@ def prior_rows(h: Hypothesis, variance_inflation: float = 1.0) -> tuple[np.ndarr
 def fit(
     problem: EquationErrorProblem, h: Hypothesis, iterations: int = 8, tolerance: float = 0.5, known: Fit | None = None
 ) -> Fit:
-    """Fit by Levenberg-Marquardt with bounds and priors, less what the noise of the acceleration adds to the misfit.
+    """Fit by Levenberg-Marquardt with bounds and priors.
 
     The slopes of a ``known`` fit are reused for the parameters it shares. If its two-inertia output motion stays the
     same, the output is not simulated again.
@@ -149,15 +148,11 @@ def fit(
     cost = problem.misfit(raw) + float(pr @ pr)
     damping = INITIAL_DAMPING
     weights = problem.weights(raw)
-    noise = AccelerationNoise.of(h, problem, predicted, weights)
-    cost -= noise.cost(predicted) if noise else 0.0
     differentiate = cache(partial(jacobian, problem, h, predicted, weights, slopes, predictor))
     for _ in range(iterations):
         jac = differentiate()
         a = jac.T @ jac + pj.T @ pj
         g = jac.T @ (raw * weights) + pj.T @ pr
-        if noise:
-            noise.taken_out(predicted, a, g)
         # parameters held at a bound that they push against
         held = ((h.values <= lower) & (g < 0)) | ((h.values >= upper) & (g > 0))
         idx = np.flatnonzero(~held)
@@ -178,7 +173,7 @@ def fit(
             p = predictor.predict(trial, side_by_side=True)
             r = problem.residual(p)
             q, _ = prior_rows(trial, inflation)
-            c = problem.misfit(r) + float(q @ q) - (noise.cost(p) if noise else 0.0)
+            c = problem.misfit(r) + float(q @ q)
             if c < cost:
                 gained = True
                 break
@@ -190,7 +185,7 @@ def fit(
         damping = 0.1 * damping if damping > 1e-5 else 0.0
         weights = problem.weights(raw)
         differentiate = cache(partial(jacobian, problem, h, predicted, weights, slopes, predictor))
-        if fall < tolerance + 1e-5 * abs(cost):
+        if fall < tolerance + 1e-5 * cost:
             break
     prior_cost = float(pr @ pr) / inflation
     costs = problem.costs(raw)

@@ -23,7 +23,6 @@ class RecordedRows:
     torque: np.ndarray  # (s,) N m
     noise: np.ndarray  # (s,) N m, of the torque
     acceleration: np.ndarray  # (s,) rad/s^2
-    acceleration_noise: np.ndarray  # (s,) rad/s^2, its standard deviation
     rate: np.ndarray  # (s,) N m/s, of the torque
     encoder: np.ndarray  # (e,) rad, by how much the encoders differ
     encoder_noise: np.ndarray  # (e,) rad
@@ -58,7 +57,6 @@ class RecordedRows:
             torque=torque,
             noise=noise,
             acceleration=np.concatenate([o.acceleration for o in observations]),
-            acceleration_noise=np.concatenate([np.full(len(o.rows), o.acceleration_noise) for o in observations]),
             rate=np.concatenate([o.torque_rate for o in observations]),
             encoder=encoder,
             encoder_noise=encoder_noise,

@@ -69,7 +69,6 @@ class Observation:
     torque: np.ndarray  # (m,) nominal torque constant times current, smoothed
     torque_rate: np.ndarray  # (m,) its slope, N m/s
     acceleration: np.ndarray  # (m,) rad/s2, smoothed by the same kernel
-    acceleration_noise: float  # rad/s2, its standard deviation
     torque_noise: np.ndarray  # (m,)
     torque_step: float  # N m, between adjacent readings of the current
     coarse: bool  # current steps are wide relative to its noise: neighbouring rows round alike
@@ -232,7 +231,6 @@ def observe(recording: Recording, model: Model, widest: float = math.inf, *, bri
         torque=_at(drive, kernel, rows),
         torque_rate=smooth(drive, gaussian(width, period, 1))[rows],
         acceleration=acceleration[rows],
-        acceleration_noise=motion_noise,
         torque_noise=noise[rows],
         torque_step=model.value("machine.torque_constant") * _step(recording.signals["current"]) if by_torque else 0.0,
         coarse=by_torque and _resolution(recording.signals["current"], model, reading_noise(signals["current"])) > 0.0,
@@ -279,7 +277,6 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
         torque=torque,
         torque_rate=np.zeros(count),
         acceleration=np.zeros(count),
-        acceleration_noise=0.0,
         torque_noise=np.full(count, max(constant * noise, LEAST_NOISE * float(np.abs(torque).max()))),
         torque_step=0.0,
         coarse=False,
@@ -309,7 +306,7 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
         raise InputError("no recording is given; a diagnosis needs at least one")
     # For a slow machine, whose own second is long, the usual kernel would leave few rows of a long recording. Two
     # widths make a row, and CORRELATION rows count as one.
-    widest = sum(recording.duration for recording in recordings) / (2.0 * CORRELATION * LEAST_ROWS)
+    widest = sum(recording.duration for recording in recordings) / (4.0 * CORRELATION * LEAST_ROWS)
     found = [observe(recording, model, widest) for recording in recordings]
     if any(recording.of_points for recording in recordings):
         return found

@@ -7,64 +7,81 @@ noise, and a regression on a noisy acceleration makes the inertia too small and 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..criteria import NEGLIGIBLE, SMALL
+from ..criteria import SMALL
 from ..model import Model
 from ..model.matching import matched
 from ..reading_noise import reading_noise
 from ..simulation.sensor_noise import counter_noise
 from .smoothing import gaussian, smooth
 
-LEAST_PERIODS = 2.5  # narrowest kernel, in sample periods
+LEAST_PERIODS, MOST_PERIODS = 2.5, 5.0
+"""Kernel widths, in sample periods: narrower ones are not used, and wider ones favour the position ever more."""
 AS_QUIET = math.sqrt(1.5)  # a position's second derivative is as quiet as a speed's first at this times s_p / s_v
-ENOUGH = 200_000  # samples that are looked at
+STRETCHES, STRETCH = 10, 20_000  # stretches of a long recording that are examined, and samples of each
 
 
-def as_measured(recording: Recording, model: Model) -> Recording:
-    """The recording as ``model.matching.matched`` gives it, without a speed that is noisier than the position shows it.
+def as_measured(recordings: Sequence[Recording], model: Model) -> list[Recording]:
+    """The recordings as ``model.matching.matched`` gives them, without speeds that are noisier than their positions.
 
-    Raises InputError if recording and model do not belong together.
+    This is decided once for all of them, since they come from the same sensors. The first recording without its speed
+    carries the warning. Raises InputError if recordings and model do not belong together.
     """
-    found = matched(recording, model)
-    if not found.has("speed", "motor_position") or found.of_points or not _noisier(found, model):
-        return found
-    signals = {name: values for name, values in found.signals.items() if name != "speed"}
-    warning = (
-        f"{found.name}: its speed is too noisy for the acceleration; the motion is taken from the position instead"
+    found = [matched(recording, model) for recording in recordings]
+    coarse = {k: both for k, one in enumerate(found) if (both := _noise_and_acceleration(one, model)) is not None}
+    noise, acceleration = (
+        (float(sum(column)) for column in zip(*coarse.values(), strict=True)) if coarse else (0.0, 0.0)
     )
-    return replace(found, signals=signals, warnings=(*found.warnings, warning))
+    if not noise > SMALL**2 * acceleration:
+        return found
+    first, others = found[min(coarse)].name, len(coarse) - 1
+    named = f"{first} and {others} more" if others else first
+    warning = f"{named}: the speed is too noisy for the acceleration; the motion is taken from the position instead"
+    return [
+        replace(
+            one,
+            signals={name: values for name, values in one.signals.items() if name != "speed"},
+            warnings=(*one.warnings, warning) if k == min(coarse) else one.warnings,
+        )
+        if k in coarse
+        else one
+        for k, one in enumerate(found)
+    ]
 
 
-def _noisier(recording: Recording, model: Model) -> bool:
-    """Whether the speed's derivative is still noisy with the kernel from which on the position's is quieter.
+def _noise_and_acceleration(recording: Recording, model: Model) -> tuple[float, float] | None:
+    """Mean squares [rad2/s4] of the noise of a speed's derivative and of this derivative itself, noise included.
 
-    Noisy is a noise that is more than a small share of the acceleration. The widths at which a Gaussian kernel's second
-    derivative of the position and its first of the speed are equally quiet follow from the norms of its derivatives.
+    With the kernel from which on the position's second derivative is as quiet; None if that kernel is a wide one, so
+    that the speed is the better sensor. The width follows from the norms of a Gaussian kernel's derivatives.
     """
-    speed, position = (recording.signals[name][:ENOUGH] for name in ("speed", "motor_position"))
-    known = np.isfinite(speed) & np.isfinite(position)
-    if known.sum() < 4:
-        return False
-    time = recording.time[:ENOUGH]
+    if recording.of_points or not recording.has("speed", "motor_position"):
+        return None
+    speeds, positions = (list(_stretches(recording.signals[name])) for name in ("speed", "motor_position"))
+    speed_noise = float(np.median([max(reading_noise(part), _rounding(part)) for part in speeds]))
+    position_noise = max(counter_noise(model, "motor"), float(np.median([reading_noise(part) for part in positions])))
     period = recording.sample_period
-    speed_noise = max(reading_noise(speed[known]), _rounding(speed[known]))
-    position_noise = max(counter_noise(model, "motor"), reading_noise(position[known]))
-    if not speed_noise > 0.0:
-        return False
-    width = max(AS_QUIET * position_noise / speed_noise, LEAST_PERIODS * period)
-    if width > NEGLIGIBLE * recording.duration:
-        return False
-    grid = np.arange(int((time[-1] - time[0]) / period) + 1) * period + time[0]
-    slope = gaussian(width, period, 1)
-    if len(grid) < 4 * len(slope):
-        return False
-    acceleration = smooth(np.interp(grid, time[known], speed[known]), slope)
-    return speed_noise * float(np.linalg.norm(slope)) > SMALL * float(np.sqrt(np.mean(acceleration**2)))
+    if not speed_noise > 0.0 or AS_QUIET * position_noise > MOST_PERIODS * period * speed_noise:
+        return None
+    slope = gaussian(max(AS_QUIET * position_noise / speed_noise, LEAST_PERIODS * period), period, 1)
+    squares = [float(np.mean(smooth(part, slope) ** 2)) for part in speeds if len(part) > 4 * len(slope)]
+    if not squares:
+        return None
+    return (speed_noise * float(np.linalg.norm(slope))) ** 2, float(np.mean(squares))
+
+
+def _stretches(values: np.ndarray) -> Iterator[np.ndarray]:
+    """The known values of a signal (n,); of a long one, those of some stretches that are spread over it."""
+    whole = len(values) <= STRETCHES * STRETCH
+    for start in (0,) if whole else np.linspace(0, len(values) - STRETCH, STRETCHES).astype(int):
+        part = values if whole else values[start : start + STRETCH]
+        yield part[np.isfinite(part)]
 
 
 def _rounding(values: np.ndarray) -> float:

@@ -36,7 +36,7 @@ def to_rotary_equivalent(recordings: Sequence[Recording], model: Model) -> tuple
 
     Raises InputError if they do not belong together.
     """
-    found = [as_measured(recording, model) for recording in recordings]
+    found = as_measured(recordings, model)
     if model.motion == "rotary":
         return found, model
     units = OwnUnits(radius=drum_radius(found))
@@ -48,7 +48,7 @@ def to_own_units(recordings: Sequence[Recording], model: Model) -> tuple[list[Re
 
     Raises InputError if they do not belong together.
     """
-    found = [as_measured(recording, model) for recording in recordings]
+    found = as_measured(recordings, model)
     begun = begun_near(found, model)
     units = own_units(found, begun)
     return [recording_in(recording, units) for recording in found], model_in(begun, units)
@@ -110,7 +110,7 @@ def standstill(recordings: Sequence[Recording], model: Model, source: str) -> fl
     """
     if source == POINTWISE:
         return 0.5 * HOLDING
-    found = [as_measured(recording, model) for recording in recordings]
+    found = as_measured(recordings, model)
     return STANDSTILL / own_units(found, begun_near(found, model)).time
 
 

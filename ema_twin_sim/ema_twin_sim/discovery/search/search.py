@@ -134,7 +134,7 @@ def _beside_gearbox(asked: _Asked, current: Fit, rounds: list[Round], may_wander
         problem = plain.under(replace(plain.weighting.begun_anew(BESIDE_IMPACTS), wander=wander))
         begun = settle(fit(problem, current.hypothesis))
         beside, more = add_effects(begun, asked.without, asked.progress, most=asked.most)
-        if _explains_the_torque(plain, beside, wander):
+        if explains_torque_with(wander, plain, beside):
             return beside, [*rounds, *more]
     if not first or not first[0].added:
         return current, [*rounds, *first]
@@ -143,7 +143,7 @@ def _beside_gearbox(asked: _Asked, current: Fit, rounds: list[Round], may_wander
     return after, [*rounds, *first, *more]
 
 
-def _explains_the_torque(plain: EquationErrorProblem, beside: Fit, wander: Wander) -> bool:
+def explains_torque_with(wander: Wander, plain: EquationErrorProblem, beside: Fit) -> bool:
     """Whether the torque is explained with wandering friction, and not as well by a dependence on something else."""
     left = torque_left(beside)
     paid = left + CORRELATION * wander.complexity_penalty / plain.size
@@ -246,7 +246,7 @@ def _beside_wander(
     anew = plain.under(replace(plain.weighting.begun_anew(FAR), wander=wander))
     beside, rounds_beside = add_effects(settle(fit(anew, asked.null)), asked.by_torque, asked.progress, most=asked.most)
     too_dear = _torque_cost(beside) + wander.complexity_penalty > cost_of_many
-    return None if too_dear or not _explains_the_torque(plain, beside, wander) else (beside, rounds_beside)
+    return None if too_dear or not explains_torque_with(wander, plain, beside) else (beside, rounds_beside)
 
 
 def depends_on_more(problem: EquationErrorProblem, h: Hypothesis, at_most: float) -> bool:

@@ -19,7 +19,7 @@ from ..criteria.explained import explained
 from ..criteria.worth import penalised_gain
 from .adding import add_effects, prune, settle
 from .removing import less, significant
-from .search import depends_on_more, torque_left
+from .search import depends_on_more, explains_torque_with, torque_left
 from .trace import WANDERS, WANDERS_OVER_TIME, Search
 
 
@@ -83,9 +83,10 @@ def _wander(found: Search) -> Wander | None:
 
 
 def beside_wandering(found: Search) -> Fit | None:
-    """The end of a search, fitted with wandering friction as part of the noise; None if friction does not wander."""
+    """The end of a search with wandering friction as part of the noise; None unless that explains the torque."""
     wander = _wander(found)
-    return None if wander is None else _beside(found.fit, wander)
+    beside = None if wander is None else _beside(found.fit, wander)
+    return beside if wander and beside and explains_torque_with(wander, found.problem, beside) else None
 
 
 def _beside(f: Fit, wander: Wander) -> Fit:
