@@ -135,7 +135,7 @@ def test_a_campaign_that_was_killed_goes_on_where_it_was(tmp_path):
     second = _command(*asked)
     told, errors = second.communicate(timeout=300)
     assert second.returncode == 0, errors
-    again = int(re.search(r"(\d+) of 40 are judged already", told)[1])
+    again = int(re.search(r"(\d+) of 40 already have results", told)[1])
     assert again >= len(done)
     assert f"{40 - again} judged" in told
     files = [row for file in tmp_path.rglob("*.parquet") for row in pq.read_table(file)["key"].to_pylist()]
@@ -166,7 +166,7 @@ def test_whatever_is_killed_at_half_time_the_table_is_the_same(victim, tmp_path,
     done = Store(tmp_path / "r").settled()
     with own_cluster(tmp_path / "second", workers=2) as own:
         told, errors = _command(*asked, own.address).communicate(timeout=300)
-    again = re.search(r"(\d+) of 40 are judged already", told)
+    again = re.search(r"(\d+) of 40 already have results", told)
     assert again and int(again[1]) == len(done) >= at, errors
     keys = _keys(tmp_path)
     rows = Store(tmp_path / "r").rows()

@@ -33,7 +33,7 @@ def test_beside_play_each_side_is_within_what_is_told_of_it(tmp_path):
     ]
     for held, true in sides:
         assert abs(held["value"] - true) < 2.0 * held["std"] < 0.3 * true
-    (said,) = (warning for warning in found.warnings if "less surely than the sums" in warning)
+    (said,) = (warning for warning in found.warnings if "less certain than the sums" in warning)
     inertia, dry = re.findall(r"(?:inertia \(|friction )([\d.]+) ± ([\d.]+)", said)
     assert float(inertia[0]) == pytest.approx(2.0, abs=3.0 * float(inertia[1]))
     assert float(dry[0]) == pytest.approx(20.0, abs=3.0 * float(dry[1]))

@@ -119,7 +119,7 @@ def swung(count=3000):
 @pytest.mark.parametrize("left_out", ["speed [rad/s]", "angle [rad]", ""])
 def test_samples_without_their_time_are_no_points_unless_somebody_says_so(left_out, tmp_path):
     columns = {name: values for name, values in swung().items() if name != left_out}
-    with pytest.raises(InputError, match=r"export it too.*--operating-points"):
+    with pytest.raises(InputError, match=r"export the time too.*--operating-points"):
         drafted(tmp_path, columns)
     recording, _ = drafted(tmp_path, columns, operating_points=True)
     assert recording.of_points
