@@ -21,6 +21,7 @@ from ema_twin_sim.campaign.jobs import Grouping, Job, Task, find_jobs
 from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED
 from ema_twin_sim.campaign.store import Store
 from ema_twin_sim.campaign.units import units_of
+from tests.command_line import twin
 from tests.dask_cluster import own_cluster
 
 RECORDINGS = Path(__file__).parents[1] / "recordings"
@@ -179,6 +180,16 @@ def test_whatever_is_killed_at_half_time_the_table_is_the_same(victim, tmp_path,
     assert {row["status"] for row in rows} == {DONE}
     assert len({str(row["errors"]) for row in rows}) == 1  # of forty copies: that of a campaign that nobody disturbed
     assert not [*tmp_path.rglob("*.part")]
+
+
+@pytest.mark.slow
+def test_a_campaign_that_judges_nothing_ends_as_refused_input_does(tmp_path):
+    folder = tmp_path / "runs"
+    folder.mkdir()
+    (folder / "torn.csv").write_text("time [s],current [A]\n0,1\n")
+    ended = twin("campaign", folder, "--model", "polito_bench", "-o", tmp_path / "r", "--workers", "1")
+    assert ended.returncode == 2 and "0 judged, 1 refused." in ended.stdout
+    assert "Traceback" not in ended.stderr
 
 
 def _keys(folder):

@@ -1,5 +1,8 @@
 """A machine that nobody here has seen: `init` drafts its map and its model, and discover names what it hides."""
 
+import re
+import shlex
+
 import numpy as np
 import pytest
 import yaml
@@ -49,6 +52,12 @@ def test_its_map_and_model_are_drafted_and_what_it_hides_is_named(traces, tmp_pa
     assert better["effects"]["gravity_load"]["parameters"]["torque"] == pytest.approx(0.09, rel=0.05)
     both = [better["machine"][name]["value"] for name in ("inertia", "output_inertia")]
     assert sum(both) == pytest.approx(7.0e-4, rel=0.05)
+
+
+def test_what_init_says_to_run_next_runs_as_it_is(traces, tmp_path):
+    said = done("init", *traces, "-o", "press", "--torque-constant", "0.4", cwd=tmp_path).stdout
+    (command,) = re.findall(r"ema-twin (info .*(?:\n .*)?)\n *ema-twin discover", said)
+    assert "output_position" in done(*shlex.split(command), cwd=tmp_path).stdout
 
 
 @pytest.mark.slow

@@ -160,6 +160,8 @@ def run(
                 counts += _judge(client, jobs, task, store)
     store.merge_files()
     _tell(counts, output)
+    if counts["refused"] and counts["refused"] == counts.total():
+        raise typer.Exit(2)  # nothing was judged, as with any command whose input is refused
 
 
 def _once() -> Callable[[str], None]:

@@ -127,7 +127,7 @@ def run(
         say_what_it_rests_on(files[1], (*joint, *assumed_units(guesses), *drafts.assumed))
     for question in drafts.questions:
         warn(question)
-    say_next(files, drafts, guesses, " ".join(quote(str(trace)) for trace in traces) or "TRACE.csv", holed)
+    say_next(files, drafts, guesses, [quote(str(trace)) for trace in traces] or ["TRACE.csv"], holed)
 
 
 def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Path, force: bool) -> None:

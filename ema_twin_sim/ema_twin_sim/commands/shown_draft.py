@@ -77,16 +77,20 @@ def in_unit(guess: Guess) -> str:
 
 
 def say_next(
-    files: tuple[Path, Path], drafts: Drafts, guesses: Guesses, trace: str, holed: tuple[Guess, ...] = ()
+    files: tuple[Path, Path], drafts: Drafts, guesses: Guesses, traces: Sequence[str], holed: tuple[Guess, ...] = ()
 ) -> None:
-    """Print what was written and what to do next; ``holed`` are columns left out for cells that hold no number."""
+    """Print what was written and what to do next with the ``traces``, quoted for a shell.
+
+    ``holed`` are columns left out for cells that hold no number.
+    """
+    trace = " ".join(traces)
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
         say(f"{path}: {to_look_at(text)}")
     if why := guesses.points_doubt:
         say(f"{why[:1].upper()}{why[1:]}: each row is read as an operating point, at rest or at constant speed.")
     map_name, model = (quote(str(file)) for file in files)
     say("Then:")
-    say(f"  ema-twin info {trace} --map {map_name}")
+    say(f"  ema-twin info {traces[0]} --map {map_name}")
     if guesses.both_encoders and not guesses.drives:
         say("No current or torque was found: only backlash, delay and angle errors of the encoders can be found.")
     if guesses.drives or guesses.both_encoders:

@@ -148,7 +148,9 @@ def _json(one: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> dic
 def _show(
     units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], health: Mapping[str, UnitHealth | None]
 ) -> None:
-    table = ReportTable(f"{len(units)} units, the largest error relative to the sensors' noise first")
+    table = ReportTable(
+        f"{len(units)} {'unit' if len(units) == 1 else 'units'}, the largest error relative to the sensors' noise first"
+    )
     table.words("unit")
     table.numbers("judged", "refused", "failed")
     table.words("last recorded", "missing effects (results)")
@@ -170,7 +172,7 @@ def _show(
             *([escape(health_words(health[one.name]))] if judged else []),
         )
     console.print(table)
-    say("Beyond noise: the largest error of a signal in its last recording, in times the sensors' noise.")
+    say("Error / noise: the largest error of a signal in the last recording, in times the sensors' noise.")
 
 
 def _changed(looks: Sequence[Outlook]) -> str:
