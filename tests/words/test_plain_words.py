@@ -48,7 +48,14 @@ def test_what_one_direction_cannot_tell_apart_is_said(stock, reverses):
 
 @pytest.mark.parametrize(
     ("value", "nominal", "words"),
-    [(1.004, 1.0, "+0.4 %"), (0.131, 1e-3, "× 131"), (2e-5, 1e-3, "× 0.02"), (2.9, 1.0, "+190.0 %"), (1.0, 0.0, "")],
+    [
+        (1.004, 1.0, "+0.4 %"),
+        (0.131, 1e-3, "× 131"),
+        (1.0, 1e-3, "× 1000"),
+        (2e-5, 1e-3, "× 0.02"),
+        (2.9, 1.0, "+190.0 %"),
+        (1.0, 0.0, ""),
+    ],
 )
 def test_a_constant_far_from_its_start_value_is_told_as_a_factor(value, nominal, words):
     assert change_words({"value": value, "nominal": nominal}) == words

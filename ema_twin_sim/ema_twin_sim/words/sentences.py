@@ -283,8 +283,9 @@ def change_words(held: Mapping[str, Any]) -> str:
     if not held["nominal"]:
         return ""
     ratio = held["value"] / held["nominal"]
-    far = ratio > _MANY_TIMES or 0.0 < ratio < 1.0 / _MANY_TIMES
-    return f"× {ratio:.3g}" if far else f"{100.0 * (ratio - 1.0):+.1f} %"
+    if _MANY_TIMES >= ratio >= 1.0 / _MANY_TIMES or ratio <= 0.0:
+        return f"{100.0 * (ratio - 1.0):+.1f} %"
+    return f"× {ratio:.0f}" if ratio >= 100.0 else f"× {ratio:.3g}"
 
 
 def has_moved(held: Mapping[str, Any]) -> bool:
