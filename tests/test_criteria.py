@@ -33,7 +33,7 @@ METHOD = {
     "identification/equation.py": "NOWHERE KEPT",
     "identification/excerpt.py": "EXCERPT EXCERPTS MOST_TURNS",
     "identification/fit.py": "INITIAL_DAMPING NO_GAIN",
-    "measured/quieter_motion.py": "LEAST_PERIODS MOST_PERIODS AS_QUIET STRETCHES STRETCH",
+    "measured/quieter_motion.py": "MOST_PERIODS AS_QUIET STRETCHES STRETCH",
     "identification/generic_bases.py": (
         "KNOTS LEAST_KNOTS KNOT MOST_KNOTS LONGEST_WAVE SHORTEST_WAVE WAVES ORDERS BASIS_STEPS"
     ),

@@ -19,10 +19,11 @@ from ..model import Model
 from ..model.matching import matched
 from ..reading_noise import reading_noise
 from ..simulation.sensor_noise import counter_noise
+from .smoothed_motion import LEAST_PERIODS
 from .smoothing import gaussian, smooth
 
-LEAST_PERIODS, MOST_PERIODS = 2.5, 5.0
-"""Kernel widths, in sample periods: narrower ones are not used, and wider ones favour the position ever more."""
+MOST_PERIODS = 5.0
+"""Widest kernel, in sample periods, with which the choice is made: wider ones favour the position ever more."""
 AS_QUIET = math.sqrt(1.5)  # a position's second derivative is as quiet as a speed's first at this times s_p / s_v
 STRETCHES, STRETCH = 10, 20_000  # stretches of a long recording that are examined, and samples of each
 
