@@ -242,6 +242,11 @@ def build_packages(names: list[str]) -> None:
     # build wrote beside its links, known to .venv/bin/python with nothing sourced.
     folders = [PACKAGES[name] for name in PYTHON_PACKAGES] + [VENV / "build" / name for name in PYTHON_PACKAGES]
     (site / "ema_twin.pth").write_text("".join(f"{folder}\n" for folder in folders))
+    # containers often set PYTHONDONTWRITEBYTECODE; every start would compile the sources again, for a quarter second
+    run(
+        "compiling the Python sources", "compileall.log", VENV / "bin/python", "-m", "compileall", "-q",
+        *(PACKAGES[name] for name in PYTHON_PACKAGES),
+    )  # fmt: skip
 
 
 @contextmanager
