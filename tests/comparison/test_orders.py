@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from ema_twin_sim.comparison.orders import find_order
+from ema_twin_sim.comparison.orders import amplitude_spectrum, find_order
 from ema_twin_sim.measured import order_spectrum
 
 TIME = np.arange(10_000) * 2e-3
@@ -94,3 +94,11 @@ def test_the_standard_error_of_an_order_is_true(order, turns):
         assert found.order_std < 0.01 / turns
         off.append((found.order - order) / found.order_std)
     assert 0.4 < np.sqrt(np.mean(np.square(off))) < 2.0
+
+
+def test_a_spectrum_alone_is_that_of_the_strongest_order():
+    parts = [part(back_and_forth(), lambda a, d: 0.01 * np.sin(6.0 * a))]
+    found = find_order(parts)
+    assert not found.dissipative
+    assert np.array_equal(amplitude_spectrum([of[:2] for of in parts]), found.spectrum)
+    assert amplitude_spectrum([part(1e-3 * TIME, lambda a, d: 0.01 * np.sin(a))[:2]]) is None

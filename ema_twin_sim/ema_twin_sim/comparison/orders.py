@@ -81,9 +81,26 @@ def find_order(
         math.atan2(b, a),
         explained / float(np.mean(residual**2)),
         dissipative if clear else None,
-        np.sqrt(2.0 * power / sum(len(part[0]) for part in used)),
+        _amplitudes(power, used),
         std,
     )
+
+
+def amplitude_spectrum(parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> np.ndarray | None:
+    """Amplitude over ``ORDERS`` of parts of (residual, motor angle [rad]), each (n,) and moving.
+
+    None if no part turns far enough.
+    """
+    used = [part for part in parts if len(part[0]) >= _FEWEST_SAMPLES]
+    power = np.zeros_like(ORDERS)
+    for residual, angle in used:
+        power += largest_in_cells(ORDERS, residual, angle, _FEWEST_CYCLES)
+    return _amplitudes(power, used) if power.any() else None
+
+
+def _amplitudes(power: np.ndarray, parts: Sequence[tuple[np.ndarray, ...]]) -> np.ndarray:
+    """Amplitudes of waves that have this ``power`` in the residuals of all parts together."""
+    return np.sqrt(2.0 * power / sum(len(part[0]) for part in parts))
 
 
 def highest_resolved(angle: np.ndarray) -> float:

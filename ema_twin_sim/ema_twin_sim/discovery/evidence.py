@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from ..comparison.binning import bin_edges, quartiles, rows_by_bin
-from ..comparison.orders import ORDERS, Periodicity, find_order
+from ..comparison.orders import ORDERS, Periodicity, amplitude_spectrum, find_order
 from ..criteria import STANDSTILL
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
@@ -184,7 +184,7 @@ def _torques(problem: EquationErrorProblem, after: Fit, residuals: Mapping[str, 
         [np.tile((o.motor_origin, o.output_origin), (len(o.rows), 1)) for o in problem.observations]
     )
     column = REQUIRED.index("transmitted")
-    every = zip(problem.observations, after.predicted.required, strict=True)
+    every = zip(problem.observations, after.predicted.required_by_recording, strict=True)
     left = {name: r[: problem.size] * problem.noise for name, r in residuals.items()}
     speed, angle = at[:, SPEED], at[:, MOTOR_ANGLE] + origins[:, 0]
     change = _periodicity(problem, left["before"] - left["after"], speed, angle)
@@ -197,10 +197,13 @@ def _periodicity(
     problem: EquationErrorProblem, torque: np.ndarray, speed: np.ndarray, angle: np.ndarray
 ) -> Periodicity | None:
     """Strongest order of a torque (m,) while the machine moves."""
+    return find_order([(torque[p], angle[p], np.sign(speed[p])) for p in _moving(problem, speed)])
+
+
+def _moving(problem: EquationErrorProblem, speed: np.ndarray) -> list[np.ndarray]:
+    """Torque rows of each recording at which the machine moves."""
     moving = np.abs(speed) > STANDSTILL
-    return find_order(
-        [(torque[p][moving[p]], angle[p][moving[p]], np.sign(speed[p][moving[p]])) for p in problem.torque_parts]
-    )
+    return [p.start + np.flatnonzero(moving[p]) for p in problem.torque_parts]
 
 
 def _torque_views(at: _Torques) -> list[View]:
@@ -280,11 +283,11 @@ def _spectrum(problem: EquationErrorProblem, at: _Torques, model: Model) -> Spec
     sense = np.sign(at.speed) if friction else np.ones(len(at.speed))
     lines: dict[str, np.ndarray] = {}
     for name, torque in at.left.items():
-        # abs(speed): the direction of motion must not be applied twice
-        found = _periodicity(problem, torque * sense, np.abs(at.speed), at.motor_angle)
-        if found is None:
+        torque = torque * sense
+        line = amplitude_spectrum([(torque[p], at.motor_angle[p]) for p in _moving(problem, at.speed)])
+        if line is None:
             return None
-        lines[name] = found.spectrum
+        lines[name] = line
     highest = max(LEAST_SHOWN, SHOWN * max(model.orders.values(), default=ORDERS[-1]))
     bands = np.array_split(np.flatnonzero(highest >= ORDERS), BANDS)
     size, unit = shown(model, 1.0, "N m")
