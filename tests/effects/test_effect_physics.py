@@ -10,7 +10,6 @@ from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.identification.prediction import follows_measured_motion
 from ema_twin_sim.model import EffectInstance
-from ema_twin_sim.plant.layout import TORQUE
 from ema_twin_sim.plant.operating_point import OperatingPoint
 from ema_twin_sim.simulation.assembly import effect_slots
 from ema_twin_sim.simulation.command import parse_command
@@ -189,7 +188,7 @@ def test_the_effects_are_those_of_another_virtual_bench(bench_cases, stock, case
 @pytest.mark.parametrize("id", sorted(catalogue()))
 def test_what_is_kept_between_rounds_depends_on_what_was_measured_alone(id):
     effect = catalogue()[id]
-    if not follows_measured_motion(effect, TORQUE):
+    if not follows_measured_motion(effect):
         return
     other = POINT._replace(transmitted_torque=0.3, dry_level=0.5, viscous_coefficient=0.1)
     values = tuple(effect_slots(effect, EffectInstance(id, effect.default_options(), effect.default_parameters())))

@@ -67,7 +67,7 @@ def _along(problem: EquationErrorProblem, f: Fit, against: str) -> tuple[np.ndar
     at = np.concatenate([o.motion[o.rows] for o in problem.observations])
     if against == "load":
         column = REQUIRED.index("transmitted")
-        every = zip(problem.observations, f.predicted.required, strict=True)
+        every = zip(problem.observations, f.predicted.required_by_recording, strict=True)
         return np.concatenate([required[o.rows, column] for o, required in every]), at[:, SPEED]
     if against == "output_position":
         origins = np.concatenate([np.full(len(o.rows), o.output_origin) for o in problem.observations])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -42,7 +42,7 @@ class AlongSlopes:
             if path.startswith("basis.") and path not in self.slopes:
                 _, name, place = path.split(".")
                 rows += self.problem.generic_bases[name][:, int(place)] * value
-        return Prediction(rows, self.predicted.plant, self.predicted.required, self.predicted.by_load)
+        return replace(self.predicted, rows=rows)
 
     def rows_of(self, several: Sequence[Hypothesis]) -> list[np.ndarray]:
         """The predicted rows (m,) of several hypotheses."""

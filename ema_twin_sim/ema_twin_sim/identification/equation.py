@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -12,8 +13,8 @@ from ..measured.observation import Observation
 from ..measured.smoothing import smooth_at
 from ..model import EffectInstance
 from ..parallel import predictions
-from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE
-from ..plant.measured_motion import MOTOR_ANGLE, REQUIRED, TIME, inverse_dynamics, inverse_dynamics_of
+from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE, VISCOUS_COEFFICIENT
+from ..plant.measured_motion import MOTOR_ANGLE, REQUIRED, REQUIRED_OUTPUT, TIME
 from ..plant.sensors import as_encoder_shows
 from ..simulation.assembly import assemble, effect_address, effect_slots, longest_delay
 from .hypothesis import Hypothesis
@@ -23,8 +24,15 @@ from .wander import Wander
 from .weighted_rows import WeightedRows
 from .weighting import Weighting
 
-NOWHERE = np.empty(0)
 KEPT = 200_000_000  # bytes at most for rows that are the same for every hypothesis
+
+
+@dataclass(frozen=True, eq=False)
+class AlikeRows:
+    """Torque rows (s, k) of instances of one effect, the same beside every prediction with a friction level as high."""
+
+    rows: np.ndarray
+    needed_level: float  # N m, dry friction level; infinite if the rows are never the same
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -35,7 +43,7 @@ class EquationErrorProblem(WeightedRows):
     """
 
     generic_bases: Mapping[str, np.ndarray]  # columns (m, k) by name, in units of the total noise
-    kept_rows: dict[tuple[object, ...], np.ndarray]  # (s, k), of effects whose torque is the same in any model
+    kept_rows: dict[tuple[object, ...], AlikeRows]  # of effects whose torque is the same in any model
     kept_bases: dict[Wander | None, Mapping[str, np.ndarray]]  # generic bases under this wander
 
     def __init__(self, observations: Sequence[Observation]) -> None:
@@ -82,30 +90,35 @@ class EquationErrorProblem(WeightedRows):
         """
         assembly = assemble(h.model())
         plant = assembly.plant[0]
-        rigid = plant["two_inertia"] == 0.0
+        seen, drawn = self._seen_outputs(plant)
+        required = np.empty((self.samples, len(REQUIRED))) if beside is None else beside.required.copy()
         rows = np.zeros(self.rows)
-
-        def one(o: Observation, t: slice, e: slice, known: np.ndarray | None) -> np.ndarray:
-            of = (assembly.plant, assembly.effects, o.motion, o.motor_origin, o.output_origin)
-            required = np.empty((len(o.motion), len(REQUIRED))) if known is None else known.copy()
-            seen = seen_output(o, plant) if plant["gap"] > 0.0 and len(o.encoder_rows) else NOWHERE
-            inverse_dynamics(*of, seen, known is not None, required)
-            smooth_at(np.ascontiguousarray(required[:, 0]), o.kernel, o.rows, rows[t])
-            if len(o.encoder_rows):
-                shown = required[:, 1]
-                difference = o.motion[:, MOTOR_ANGLE] / plant["gear_ratio"]
-                if rigid and plant["encoder_delay"] == 0.0 and not plant["angle_errors"]:
-                    return required
-                shown = as_encoder_shows(plant, o.motion[:, TIME], shown, o.output_origin)
-                smooth_at(shown - difference, o.kernel, o.encoder_rows, rows[e])
-            return required
-
-        known = [None] * len(self.observations) if beside is None else beside.required
-        parts = (self.observations, self.torque_parts, self.encoder_parts, known)
-        every = list(predictions(self.samples if side_by_side else 0, one, *parts))
+        of = (assembly.plant, assembly.effects, self._origins(), seen, drawn, beside is not None, required, rows)
+        count = self.samples if side_by_side else 0
+        for _ in predictions(count, lambda recordings: self.joined.require(recordings, *of), self.joined.halves):
+            pass
+        if plant["two_inertia"] != 0.0 or plant["encoder_delay"] != 0.0 or plant["angle_errors"]:
+            for k, (o, part) in enumerate(zip(self.observations, self.encoder_parts, strict=True)):
+                if len(o.encoder_rows):
+                    shown = required[self.joined.part(k), REQUIRED_OUTPUT]
+                    shown = as_encoder_shows(plant, o.motion[:, TIME], shown, o.output_origin)
+                    difference = o.motion[:, MOTOR_ANGLE] / plant["gear_ratio"]
+                    smooth_at(shown - difference, o.kernel, o.encoder_rows, rows[part])
         rows = self._in_noise(h, plant, rows)
         by_load = any(catalogue()[id].depends_on == "load" for id in h.held)
-        return Prediction(rows, assembly.plant, tuple(every), by_load)
+        return Prediction(rows, assembly.plant, required, self.joined.starts, by_load)
+
+    def _origins(self) -> np.ndarray:
+        """(R, 2) [rad] readings of motor and output counter at position zero, by recording."""
+        return np.array([(o.motor_origin, o.output_origin) for o in self.observations])
+
+    def _seen_outputs(self, plant: np.void) -> tuple[np.ndarray, np.ndarray]:
+        """Measured output position (n,) [rad] behind teeth with play, and which recordings (R,) have it."""
+        drawn = np.array([plant["gap"] > 0.0 and len(o.encoder_rows) > 0 for o in self.observations])
+        seen = np.empty(self.samples if drawn.any() else 0)
+        for k in map(int, np.flatnonzero(drawn)):
+            seen[self.joined.part(k)] = seen_output(self.observations[k], plant)
+        return seen, drawn
 
     def _in_noise(self, h: Hypothesis, plant: np.void, rows: np.ndarray) -> np.ndarray:
         """Rows (m,) in units of noise, from required torque [N m] and encoder difference [rad]."""
@@ -145,47 +158,53 @@ class EquationErrorProblem(WeightedRows):
         if not _acts_alone(beside, instance):
             return None
         rows = np.zeros(self.rows)
-        rows[: self.size] = self._required_by(beside, instance) / (torque_scale(beside.plant[0]) * self.noise)
+        rows[: self.size] = self._required_by(beside, instance)[0] / (torque_scale(beside.plant[0]) * self.noise)
         return self.whitened(rows)
 
     def alike_beside_any(self, beside: Prediction, instances: Sequence[EffectInstance]) -> np.ndarray | None:
         """Torque rows (s, k) that several ``instances`` of one effect add to any prediction for this machine.
 
-        None if the effect's torque depends on the model. The rows are cached as far as memory allows, because a search
-        needs them repeatedly.
+        They hold for the model file's torque constant; divide by ``torque_scale`` for another. None if the effect's
+        torque depends on the model. The rows are cached as far as memory allows: a search needs them repeatedly.
         """
         first = instances[0]
         effect = catalogue()[first.effect]
-        if effect.act is None or not follows_measured_motion(effect, effect.where(first.options)):
-            return None
-        if not _acts_alone(beside, first):
+        if effect.act is None or not follows_measured_motion(effect) or not _acts_alone(beside, first):
             return None
         plant = beside.plant[0]
-        constants = (plant[name].item() for name in ("gear_ratio", "pole_pairs", "torque_constant"))
+        place = effect.where(first.options)
+        constants = [plant[name].item() for name in ("gear_ratio", "pole_pairs", "torque_constant")]
+        if place in (DRY_LEVEL, VISCOUS_COEFFICIENT):
+            constants.append(plant["asymmetry"].item())
         slots = (tuple(effect_slots(effect, one)) for one in instances)
-        key = (effect_address(effect), effect.where(first.options), self.weighting.wander, *constants, *slots)
-        rows = self.kept_rows.get(key)
-        if rows is None:
+        key = (effect_address(effect), place, self.weighting.wander, *constants, *slots)
+        alike = self.kept_rows.get(key)
+        if alike is None:
             rows = np.zeros((self.rows, len(instances)))
-            rows[: self.size] = np.stack([self._required_by(beside, one) / self.noise for one in instances], 1)
-            rows = self.whitened(rows)[: self.size]
+            every = [self._required_by(beside, one) for one in instances]
+            rows[: self.size] = np.stack([torque / self.noise for torque, _ in every], 1)
+            needed_level = max(-least for _, least in every) if place == DRY_LEVEL else 0.0
+            if needed_level > beside.lowest_dry_level:  # the reduced level is cut off at zero: not alike
+                needed_level = math.inf
+            alike = AlikeRows(self.whitened(rows)[: self.size], needed_level)
             kept = list(self.kept_rows.values())  # a copy: other threads may add theirs meanwhile
-            if sum(one.nbytes for one in kept) + rows.nbytes < KEPT:
-                self.kept_rows[key] = rows
-        return rows / torque_scale(plant)
+            if sum(one.rows.nbytes for one in kept) + alike.rows.nbytes < KEPT:
+                self.kept_rows[key] = alike
+        if alike.needed_level > beside.lowest_dry_level:
+            return None
+        return alike.rows
 
-    def _required_by(self, beside: Prediction, instance: EffectInstance) -> np.ndarray:
-        """Torque (s,) [N m] that one effect alone requires of the drive, smoothed like the measured torque."""
+    def _required_by(self, beside: Prediction, instance: EffectInstance) -> tuple[np.ndarray, float]:
+        """Torque (s,) [N m] that one effect alone requires of the drive, smoothed like the measured torque.
+
+        The second value is the smallest value of the effect at any sample.
+        """
         effect = catalogue()[instance.effect]
         address, place = effect_address(effect), effect.where(instance.options)
         slots = np.array(effect_slots(effect, instance))
-        smoothed = np.zeros(self.size)
-        for o, t, required in zip(self.observations, self.torque_parts, beside.required, strict=True):
-            torque = np.empty(len(o.motion))
-            of = (o.motion, o.motor_origin, o.output_origin, required, torque)
-            inverse_dynamics_of(beside.plant, address, place, slots, *of)
-            smooth_at(torque, o.kernel, o.rows, smoothed[t])
-        return smoothed
+        smoothed = np.empty(self.size)
+        of = (slots, self._origins(), beside.required, smoothed)
+        return smoothed, self.joined.require_of(beside.plant, address, place, *of)
 
     def beside(self, h: Hypothesis, predicted: Prediction, instance: EffectInstance) -> np.ndarray | None:
         """Rows (m,) that one more effect adds to a prediction with the output motion unchanged; None if it changes."""

@@ -115,7 +115,7 @@ def load_bases(problem: EquationErrorProblem, f: Fit) -> dict[str, np.ndarray]:
     if f.parted:
         return {}
     passed_on = REQUIRED.index("transmitted")
-    sizes = [np.abs(required[:, passed_on]) for required in f.predicted.required]
+    sizes = [np.abs(required[:, passed_on]) for required in f.predicted.required_by_recording]
     judged = np.concatenate([size[o.rows] for size, o in zip(sizes, problem.observations, strict=True)])
     knots = np.unique(np.quantile(judged, np.linspace(0, 1, KNOTS))) if len(judged) else judged
     if len(knots) < LEAST_KNOTS:

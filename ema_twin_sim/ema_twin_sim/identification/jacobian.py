@@ -79,7 +79,8 @@ def jacobian(
             there = predictor.predict(moved[k], beside=beside).rows
         return problem.centred((there - predicted.rows) / steps[k], weights) * weights
 
-    return np.stack(list(predictions(problem.samples, column, range(len(h.free)))), 1)
+    columns = list(predictions(problem.samples, column, range(len(h.free))))
+    return np.array(columns).reshape(len(columns), problem.rows).T  # each column stays in one piece
 
 
 def inner_step(value: float, lower: float, upper: float, step: float) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -13,8 +14,8 @@ from ..effects.catalogue import is_own
 from ..effects.effect import Effect
 from ..measured.observation import Observation
 from ..model import EffectInstance
-from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE, VISCOUS_COEFFICIENT
-from ..plant.measured_motion import OUTPUT_ANGLE, TIME
+from ..plant.layout import OUTPUT_TORQUE
+from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED_DRY, TIME
 from ..plant.sensors import angle_error
 from .hypothesis import Hypothesis
 
@@ -28,8 +29,19 @@ class Prediction:
 
     rows: np.ndarray
     plant: np.ndarray
-    required: tuple[np.ndarray, ...]
+    required: np.ndarray  # (n, 4) at the samples of all recordings, with the columns REQUIRED
+    starts: np.ndarray  # int64 (R + 1,), the samples where each recording starts and the last one ends
     by_load: bool  # whether any part follows the load
+
+    @cached_property
+    def lowest_dry_level(self) -> float:
+        """The lowest dry friction level [N m] at any sample."""
+        return float(self.required[:, REQUIRED_DRY].min())
+
+    @property
+    def required_by_recording(self) -> list[np.ndarray]:
+        """``required`` of each recording."""
+        return np.split(self.required, self.starts[1:-1])
 
 
 class Predictor(Protocol):
@@ -54,9 +66,9 @@ def seen_output(o: Observation, plant: np.void) -> np.ndarray:
     return np.ascontiguousarray(shown)
 
 
-def follows_measured_motion(effect: Effect, place: int) -> bool:
-    """Whether an effect has the same torque in every model of a machine: it depends on measured values only."""
-    if effect.act is None or is_own(effect) or place in (DRY_LEVEL, VISCOUS_COEFFICIENT):
+def follows_measured_motion(effect: Effect) -> bool:
+    """Whether an effect has the same value in every model of a machine: it depends on measured values only."""
+    if effect.act is None or is_own(effect):
         return False
     return not OF_THE_MODEL & {*effect.act.__code__.co_names}  # the package's effects request values by name
 

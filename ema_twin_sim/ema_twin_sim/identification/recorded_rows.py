@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from ..criteria import MISSHAPEN, NEARLY_ALL, OUTLIER
 from ..measured.observation import Observation
 from ..plant.measured_motion import SPEED
+from .joined_motions import JoinedMotions
 from .search_limits import Reached, reached
 from .stops import Stops
 
@@ -20,6 +21,7 @@ class RecordedRows:
     """Rows of several recordings: torque rows of all (s,), then encoder rows of all (e,), together (m,)."""
 
     observations: tuple[Observation, ...]
+    joined: JoinedMotions
     torque: np.ndarray  # (s,) N m
     noise: np.ndarray  # (s,) N m, of the torque
     acceleration: np.ndarray  # (s,) rad/s^2
@@ -33,13 +35,15 @@ class RecordedRows:
     rows: int  # of all
     torque_parts: list[slice]  # by recording
     encoder_parts: list[slice]  # by recording
-    encoder_pieces: list[slice]  # of a recording, between jumps of a counter
+    encoder_pieces: np.ndarray  # int64 (p, 2), first row and end of each piece of a recording between counter jumps
     parts: list[tuple[int, slice]]  # (recording, rows) of all that is measured
     fastest: float  # rad/s, of the motor
     outlier: float  # times the bulk of a residual, where outliers begin
     reached: Reached
 
     def __init__(self, observations: Sequence[Observation]) -> None:
+        joined = JoinedMotions.of(observations)
+        observations = [replace(o, motion=joined.motion[joined.part(k)]) for k, o in enumerate(observations)]
         torque = np.concatenate([o.torque for o in observations])
         noise = np.concatenate([o.torque_noise for o in observations])
         encoder = np.concatenate([o.encoder for o in observations])
@@ -54,6 +58,7 @@ class RecordedRows:
         speeds = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in observations])
         vars(self).update(
             observations=tuple(observations),
+            joined=joined,
             torque=torque,
             noise=noise,
             acceleration=np.concatenate([o.acceleration for o in observations]),
@@ -62,17 +67,12 @@ class RecordedRows:
             encoder_noise=encoder_noise,
             in_noise=in_noise,
             stops=stops,
-            samples=sum(len(o.motion) for o in observations),
+            samples=len(joined.motion),
             size=size,
             rows=len(in_noise),
             torque_parts=torque_parts,
             encoder_parts=encoder_parts,
-            encoder_pieces=[
-                slice(part.start + int(a), part.start + int(b))
-                for o, part in zip(observations, encoder_parts, strict=True)
-                for a, b in pairwise((0, *(np.flatnonzero(np.diff(o.encoder_piece)) + 1), len(o.encoder_piece)))
-                if b > a
-            ],
+            encoder_pieces=_pieces(observations, encoder_parts),
             parts=[
                 *enumerate(torque_parts),
                 *((k, part) for k, part in enumerate(encoder_parts) if part.stop > part.start),
@@ -85,3 +85,14 @@ class RecordedRows:
     def noise_of_encoders(self, part: slice) -> np.ndarray:
         """Noise [rad] of some of the encoders' rows; ``part`` counts from the first of all rows."""
         return self.encoder_noise[part.start - self.size : part.stop - self.size]
+
+
+def _pieces(observations: Sequence[Observation], encoder_parts: Sequence[slice]) -> np.ndarray:
+    """First row and end (p, 2) of each piece of the encoders' rows: a recording, or a part of it between jumps."""
+    pieces = [
+        (part.start + int(a), part.start + int(b))
+        for o, part in zip(observations, encoder_parts, strict=True)
+        for a, b in pairwise((0, *(np.flatnonzero(np.diff(o.encoder_piece)) + 1), len(o.encoder_piece)))
+        if b > a
+    ]
+    return np.array(pieces, np.int64).reshape(-1, 2)

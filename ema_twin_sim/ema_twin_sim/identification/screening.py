@@ -13,7 +13,7 @@ from ..model import EffectInstance
 from ..model.roles import TORQUE_FACTOR
 from ..parallel import predictions
 from .candidates import Candidate, starts
-from .equation import EquationErrorProblem
+from .equation import EquationErrorProblem, torque_scale
 from .fit import Fit, prior_rows
 from .search_limits import Reached
 from .start_values import regressed_angle
@@ -109,9 +109,9 @@ def _screened(
     """Gain of a candidate at each of its starts, with its angle free; starts that change nothing are left out."""
     size = catalogue()[c.effect].parameters[0]
     per = 1.0 if size.neutral is None else STEP * max(abs(size.default - size.neutral), 1e-9)
-    columns = _columns(problem, f, c, [start for group in groups for start in group], per)
-    rows = len(columns)  # torque rows only, or all
-    columns *= (f.weights[:rows] / (per * known.root_inflation[:rows]))[:, None]
+    plain, scale = _columns(problem, f, c, [start for group in groups for start in group], per)
+    rows = len(plain)  # torque rows only, or all
+    columns = plain * (f.weights[:rows] / (scale * known.root_inflation[:rows]))[:, None]
     inside = known.basis[:rows].T @ columns
     along = columns.T @ known.left[:rows]
     found = []
@@ -161,17 +161,17 @@ def _at_start(
 
 def _columns(
     problem: EquationErrorProblem, f: Fit, c: Candidate, starts: Sequence[dict[str, float]], per: float
-) -> np.ndarray:
+) -> tuple[np.ndarray, float]:
     """Rows (m, k) that a candidate adds to a fit at each start, or torque rows only (s, k) if these are all.
 
-    Its size is ``per`` beyond neutral.
+    Its size is ``per`` beyond neutral. The second value is the divisor that gives the rows per unit of its size.
     """
     size = catalogue()[c.effect].parameters[0]
     if size.neutral is not None:
         starts = [{**start, size.name: size.neutral + per} for start in starts]
         every = problem.alike_beside_any(f.predicted, [EffectInstance(c.effect, c.options, one) for one in starts])
         if every is not None:
-            return every
+            return every, per * torque_scale(f.predicted.plant[0])
 
     def column(parameters: dict[str, float]) -> np.ndarray:
         rows = None
@@ -182,7 +182,7 @@ def _columns(
             rows = problem.centred(problem.predict(h).rows - f.predicted.rows, f.weights)
         return rows
 
-    return np.stack([column(start) for start in starts], 1)
+    return np.stack([column(start) for start in starts], 1), per
 
 
 def screen_generic_bases(problem: EquationErrorProblem, f: Fit) -> list[tuple[float, str]]:

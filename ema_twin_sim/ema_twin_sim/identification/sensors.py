@@ -116,7 +116,7 @@ def _columns(problem: EquationErrorProblem, f: Fit) -> tuple[np.ndarray, dict[st
     """(gearbox columns (k, c), columns of each sensor error (k, 1 or 2)) at all encoder rows, in units of noise."""
     ratio = f.predicted.plant["gear_ratio"][0]
     transmitted, speed, angle = [], [], []
-    for o, required in zip(problem.observations, f.predicted.required, strict=True):
+    for o, required in zip(problem.observations, f.predicted.required_by_recording, strict=True):
         at = o.encoder_rows
         transmitted.append(required[at, REQUIRED.index("transmitted")])
         speed.append(o.motion[at, SPEED] / ratio)
@@ -125,8 +125,8 @@ def _columns(problem: EquationErrorProblem, f: Fit) -> tuple[np.ndarray, dict[st
     passed = np.concatenate(transmitted)[:, None]
     moving = np.concatenate(speed)[:, None]
     pieces = np.zeros((len(noise), len(problem.encoder_pieces)))
-    for k, piece in enumerate(problem.encoder_pieces):
-        pieces[piece.start - problem.size : piece.stop - problem.size, k] = 1.0
+    for k, (first, end) in enumerate(problem.encoder_pieces - problem.size):
+        pieces[first:end, k] = 1.0
     theta = np.concatenate(angle)
     waves = np.stack([np.sin(theta), np.cos(theta)], axis=1)
     return (

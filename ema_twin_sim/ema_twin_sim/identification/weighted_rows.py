@@ -12,6 +12,7 @@ import numpy as np
 
 from ..criteria import SMALL
 from ..measured.observation import Observation
+from .encoder_offsets import remove_means, remove_offsets
 from .recorded_rows import RecordedRows
 from .weighting import FAR, Weighting
 
@@ -81,11 +82,7 @@ class WeightedRows(RecordedRows):
         if not self.use_encoder:
             rows[self.size :] = 0.0
             return rows
-        for e in self.encoder_pieces:
-            noise = self.noise_of_encoders(e)
-            part = rows[e] - np.median(rows[e] * noise) / noise
-            w = 1.0 / (1.0 + (part / self.weighting.cauchy_scale[e]) ** 2)
-            rows[e] = part - float(w @ (part / noise)) / float(w @ noise**-2.0) / noise
+        remove_offsets(rows, self.encoder_pieces, self.size, self.encoder_noise, self.weighting.cauchy_scale)
         return rows
 
     def weights(self, residual: np.ndarray) -> np.ndarray:
@@ -107,12 +104,7 @@ class WeightedRows(RecordedRows):
     def centred(self, rows: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Rows minus the weighted mean of each piece of encoder rows."""
         rows = rows.copy()
-        for e in self.encoder_pieces:
-            noise = self.noise_of_encoders(e)
-            w = weights[e] ** 2
-            if not w.any():  # torque only
-                continue
-            rows[e] -= float(w @ (rows[e] / noise)) / float(w @ noise**-2.0) / noise
+        remove_means(rows, self.encoder_pieces, self.size, self.encoder_noise, weights)
         return rows
 
     def reweighed(self, residual: np.ndarray, most: float = math.inf) -> Weighting:

@@ -192,7 +192,7 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
 
 
 @njit(
-    void(PLANTS, int64, int64, float64[::1], TABLE, float64, float64, TABLE, float64[::1]),
+    float64(PLANTS, int64, int64, float64[::1], TABLE, float64, float64, TABLE, float64[::1]),
     cache=True,
     nogil=True,
     error_model="numpy",
@@ -200,8 +200,10 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
 def inverse_dynamics_of(plants, address, place, p, motion, motor_origin, output_origin, required, torque):
     """``torque`` (n,): drive torque needed by one effect alone, in addition to what ``required`` already holds.
 
-    Valid for a torque, a level or a coefficient of the motor side if no bristle carries the level; ``p`` (4,).
+    Valid for a torque, a level or a coefficient of the motor side if no bristle carries the level; ``p`` (4,). Returns
+    the smallest value of the effect, before the sense of motion gives it a sign.
     """
+    least = math.inf
     plant = plants[0]
     values = (p[0], p[1], p[2], p[3])
     for row in range(motion.shape[0]):
@@ -209,6 +211,7 @@ def inverse_dynamics_of(plants, address, place, p, motion, motor_origin, output_
         transmitted = required[max(row - 1, 0), REQUIRED_TRANSMITTED]
         at = operating_point(plant, motion[row], motor_origin, output_origin, transmitted, required[row, REQUIRED_DRY])
         value = call_effect(address, at, values)
+        least = min(least, value)
         sense = sign(speed)
         if place == DRY_LEVEL:
             level = required[row, REQUIRED_DRY]
@@ -216,3 +219,4 @@ def inverse_dynamics_of(plants, address, place, p, motion, motor_origin, output_
         elif place == VISCOUS_COEFFICIENT:
             value *= speed + plant.asymmetry * math.fabs(speed)
         torque[row] = value
+    return least
