@@ -30,7 +30,7 @@ METHOD = {
         "STIFFNESS DAMPING WIDTHS ABOUT HOLDING SIDES CONTACTS OUTPUT_SHARE SOFTER HARDLY HOPELESS RIVAL SPRINGY"
     ),
     "identification/cramer_rao.py": "LAGS MOST_LAGS NOTHING",
-    "identification/equation.py": "NOWHERE KEPT",
+    "identification/equation.py": "KEPT",
     "identification/excerpt.py": "EXCERPT EXCERPTS MOST_TURNS",
     "identification/fit.py": "INITIAL_DAMPING NO_GAIN",
     "measured/quieter_motion.py": "MOST_PERIODS AS_QUIET STRETCHES STRETCH",

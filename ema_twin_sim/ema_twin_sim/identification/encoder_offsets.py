@@ -3,11 +3,11 @@
 import numpy as np
 from numba import float64, int64, njit, void
 
-PIECES = int64[:, ::1]
+from ..plant.signatures import RANGES
 
 
 @njit(
-    void(float64[::1], PIECES, int64, float64[::1], float64[::1]),
+    void(float64[::1], RANGES, int64, float64[::1], float64[::1]),
     cache=True,
     nogil=True,
     error_model="numpy",
@@ -33,7 +33,7 @@ def remove_offsets(rows, pieces, size, noise, scale):
 
 
 @njit(
-    void(float64[::1], PIECES, int64, float64[::1], float64[::1]),
+    void(float64[::1], RANGES, int64, float64[::1], float64[::1]),
     cache=True,
     nogil=True,
     error_model="numpy",

@@ -7,9 +7,7 @@ from numba import boolean, float64, int64, njit, void
 
 from ..measured.smoothing import smooth_at
 from ..plant.measured_motion import REQUIRED_TORQUE, inverse_dynamics, inverse_dynamics_of
-from ..plant.signatures import EFFECTS, PLANTS, TABLE
-
-INDICES = int64[::1]
+from ..plant.signatures import EFFECTS, INDICES, PLANTS, TABLE
 
 
 @njit(

@@ -14,6 +14,9 @@ STATES = from_dtype(STATE)[::1]
 STAMPS = types.Array(int64, 1, "C", readonly=True)
 TABLE = float64[:, ::1]
 """Rows of samples of a bench, a twin, or a measured motion."""
+INDICES = int64[::1]
+RANGES = int64[:, ::1]
+"""First and end of ranges of rows."""
 EFFECTS = types.Tuple((int64[::1], int64[::1], float64[:, ::1]))
 """Type of ``layout.Effects``."""
 FINE = types.Tuple(
