@@ -39,7 +39,8 @@ def load_bootstrap(checkout):
     def note(title, log, *command):
         step = log.removesuffix(".log")
         built = [name for name, folder in bootstrap.PACKAGES.items() if folder in command]
-        bootstrap.steps.append((step, *built) if built else step)
+        if step != "compileall":  # follows every build
+            bootstrap.steps.append((step, *built) if built else step)
         (checkout / ".venv/lib/python3.11/site-packages").mkdir(parents=True, exist_ok=True)
         (checkout / ".venv/bin").mkdir(exist_ok=True)
         if not (checkout / ".venv/bin/python").exists():
