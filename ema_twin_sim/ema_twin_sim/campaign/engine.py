@@ -7,6 +7,7 @@ to the store; the campaign receives only the outcomes, and may end at any moment
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import islice
@@ -94,6 +95,7 @@ def cluster(scheduler: str | None, workers: int) -> Iterator[Client]:
                 threads_per_worker=1,
                 host=_LISTENING,
                 dashboard_address=None,
+                silence_logs=logging.CRITICAL,  # a worker's last heartbeat may find the scheduler gone: no error
                 scheduler_kwargs={"dashboard_address": f"{_LISTENING}:0"},  # a free port: others may be running
                 security=Security.temporary(),
                 protocol="tls",
@@ -171,8 +173,6 @@ def _scheduler_lost() -> Iterator[None]:
 
 def _quieten() -> None:
     """Keep the cluster's own log away from the user: what matters of it is in a result row."""
-    import logging
-
     for name in [*logging.root.manager.loggerDict]:
         if name.partition(".")[0] in ("distributed", "tornado", "asyncio"):
             logging.getLogger(name).setLevel(logging.CRITICAL)
