@@ -18,7 +18,7 @@ from ..criteria.explained import apart
 from ..criteria.likeness import likenesses
 from ..criteria.own_shape import by_own_shape, explains_the_torque, is_play, only_teeth, parts_the_encoders
 from ..criteria.plausible import only_constants, strained
-from ..criteria.worth import BY_CONSTANTS, is_lacked
+from ..criteria.worth import BY_CONSTANTS, NOTHING_ELSE, is_lacked
 from .adding import add_best
 from .removing import less, significant, with_what_made_room
 from .rivals import substitutes, swapped
@@ -130,6 +130,8 @@ def _doubtful(found: Search) -> list[str]:
     # An output that lags affects inertia and friction, as it does in a search by torque alone.
     like_lag = effects_with(Trait.LIKE_PLAY_OR_SPRING) if lags else frozenset()
     drawn = {n for n in added if added[n].effect in like_lag and not explains_the_torque(found.fit, n)}
+    if drawn and _has_gearbox(problem, found.fit):  # the lag is in the model: it draws no constant any more
+        drawn -= {name for name in drawn if over[name] in NOTHING_ELSE}
     if (own != {*added} or drawn) and (beside := beside_wandering(found)) is not None:
         # If each recording has its own speed, a basis over speed also fits what differs between recordings because
         # friction wanders. An effect that holds once the wandering is part of the noise is not doubted for that.
@@ -160,6 +162,12 @@ def _explains(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     """
     compliant = f.hypothesis.added[name].effect in COMPLIANT_EFFECTS and not is_play(f, name)
     return (compliant and explains_the_torque(f, name)) or parts_the_encoders(problem, f, name)
+
+
+def _has_gearbox(problem: EquationErrorProblem, f: Fit) -> bool:
+    """Whether the model has backlash or compliance, and all of it holds up."""
+    gearbox = [name for name, instance in f.hypothesis.added.items() if instance.effect in COMPLIANT_EFFECTS]
+    return bool(gearbox) and all(_explains(problem, f, name) for name in gearbox)
 
 
 def _most_likely(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
