@@ -12,7 +12,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.measured.consistency import inconsistencies
-from ema_twin_sim.model import load_model
+from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.model.matching import matched
 from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.steps import smallest_step
@@ -283,6 +283,8 @@ def test_a_torque_constant_that_no_drive_could_feed_is_the_joints(tmp_path, rati
     own = told / (ratio if at_joint else 1.0)
     assert load_model(tmp_path / "j.yaml").value("machine.torque_constant") == pytest.approx(own)
     assert ("CHECK" in line_of(tmp_path / "j.yaml", "torque_constant")) == at_joint
+    save_model(load_model(tmp_path / "j.yaml"), tmp_path / "later.yaml")
+    assert ("CHECK" in line_of(tmp_path / "later.yaml", "torque_constant")) == at_joint
 
 
 @pytest.mark.parametrize(("ratio", "told"), [(100.0, 4e5), (9.0, 420.0), (1.0, 4200.0)])

@@ -1,11 +1,13 @@
 """What is said of a search is understood at the first reading, and no sentence contradicts the one beside it."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
 from ema_twin_sim.comparison.running_comparison import share_removed
 from ema_twin_sim.criteria import SUREST
+from ema_twin_sim.discovery.assumed_torque import of_assumed_torque
 from ema_twin_sim.discovery.cautions import of_open_constants
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.simulation.command import parse_command
@@ -33,6 +35,19 @@ def test_what_the_last_step_leaves_is_told_beside_the_noise():
 def test_why_no_answer_is_surer_is_told_and_what_open_constants_cost():
     assert f"{100.0 * SUREST:.0f} %" in surest_sentence()
     assert "less than 10 % of the drive's torque" in of_open_constants()
+
+
+def test_what_rests_on_an_assumed_torque_constant_is_told_while_it_is_assumed(stock):
+    ramp = virtual_bench(stock, parse_command("ramp:0.05"), 0.1)
+    without_current = replace(ramp, signals={k: v for k, v in ramp.signals.items() if k != "current"})
+    path = "machine.torque_constant"
+
+    def said(source, recording=ramp):
+        held = replace(stock.constants[path], source=source)
+        return of_assumed_torque([recording], replace(stock, constants={**stock.constants, path: held}))
+
+    assert "1.91 N m/A, is only assumed" in said("assumed")[0]
+    assert said("data sheet") == said("fitted; 1 before") == said("assumed", without_current) == ()
 
 
 @pytest.mark.slow

@@ -61,7 +61,7 @@ def say_what_it_rests_on(place: Path, besides: Sequence[str]) -> None:
 
 def to_look_at(text: str) -> str:
     """How many lines of a draft to check; its first two lines, which explain the mark, do not count."""
-    from ..new_machine.check_comment import CHECK
+    from ..model.check_comment import CHECK
 
     count = sum(CHECK in line for line in text.splitlines()[2:])
     return f"{count} line(s) to check, marked {CHECK}" if count else "nothing had to be guessed"

@@ -31,6 +31,7 @@ from ..model import Model
 from ..model.own_units import in_si, native_as_given
 from ..model.roles import BRISTLE
 from ..simulation.angle_origins import without_common_zero
+from .assumed_torque import of_assumed_torque
 from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants
 from .criteria.contradictions import contradictions
 from .criteria.explained import apart, explained
@@ -228,6 +229,7 @@ def discover(
         (
             *(warning for recording in recordings for warning in recording.warnings),
             *unusual_currents(given_recordings, given),
+            *of_assumed_torque(given_recordings, given),
             *contradictions(problem, best),
             *far_off(best),
             *(of_sums(problem, best, left) if refitted else ()),
