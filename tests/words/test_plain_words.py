@@ -12,7 +12,13 @@ from ema_twin_sim.discovery.cautions import of_open_constants
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
-from ema_twin_sim.words.sentences import change_words, left_sentence, removed_words, surest_sentence
+from ema_twin_sim.words.sentences import (
+    change_words,
+    left_sentence,
+    output_sentence,
+    removed_words,
+    surest_sentence,
+)
 
 FLOOR = 15e-3  # A
 
@@ -74,3 +80,12 @@ def test_what_one_direction_cannot_tell_apart_is_said(stock, reverses):
 )
 def test_a_constant_far_from_its_start_value_is_told_as_a_factor(value, nominal, words):
     assert change_words({"value": value, "nominal": nominal}) == words
+
+
+def test_at_which_shaft_torques_of_the_output_are_given_is_told_where_there_is_one(stock):
+    model = stock.with_effect("gravity_load").with_effect("encoder_eccentricity").with_effect("cogging")
+    told = output_sentence(model, ["cogging", "gravity_load", "coulomb_friction_2", "machine"])
+    assert "(gravity load and Coulomb friction 2) are given at the motor; a torque at the output is 124 times" in told
+    for names in ((), ("machine",), ("cogging", "encoder_eccentricity", "coulomb_friction")):
+        assert output_sentence(model, names) == ""
+    assert output_sentence(model.with_value("machine.gear_ratio", 1.0), ["gravity_load"]) == ""

@@ -17,6 +17,7 @@ from ..words.sentences import (
     REFIT_IS,
     change_words,
     effect_words,
+    output_sentence,
     removed_words,
     why_step,
 )
@@ -137,6 +138,8 @@ def _parameters(content: Content) -> list[Markup]:
         told = _of_fitted_effects(
             came, content, "Parameters of the effects found, before and after the fit; ± is one standard error"
         )
+    if sentence := output_sentence(content.models[1], [effect.name for effect in came]):
+        told = [*told, tag("p", sentence, class_="aside")]
     return [*told, *_of_effects(gone_effects(content), f"Parameters of the effects that only {before} has")]
 
 

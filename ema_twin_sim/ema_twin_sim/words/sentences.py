@@ -249,6 +249,33 @@ def _what_repeats(shaft: str, cycles: float) -> str:
     return "gears, belts or bearings"
 
 
+def output_sentence(model: Model, names: Iterable[str]) -> str:
+    """A sentence on the effects behind a gear whose torques are given at the motor's shaft; empty if there are none.
+
+    ``names`` are instances of a model, or others, which do not count.
+    """
+    there = [name for name in names if name in model.effects and _has_output_torque(model, name)]
+    if not there or model.is_direct:
+        return ""
+    what = "force" if model.motion == "linear" else "torque"
+    named = listed(map(effect_words, there))
+    return (
+        f"Values of effects that act on the output ({named}) are given at the motor; a {what} at the output is "
+        f"{model.value('machine.gear_ratio'):.4g} times as large."
+    )
+
+
+def _has_output_torque(model: Model, name: str) -> bool:
+    """Whether an instance acts on the output with a parameter that is a torque, or a torque over something."""
+    from ..effects import catalogue
+    from ..effects.effect import OUTPUT_TORQUE
+
+    instance = model.effects[name]
+    effect = catalogue()[instance.effect]
+    on_output = effect.where(instance.options) == OUTPUT_TORQUE or instance.options.get("side") == "output"
+    return on_output and any(parameter.unit.startswith("N m") for parameter in effect.parameters)
+
+
 def groups_sentence(groups: Sequence[Sequence[str]]) -> str:
     """A sentence on the effects that cannot be told apart; empty if there are none."""
     if not groups:
