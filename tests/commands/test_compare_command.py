@@ -124,7 +124,9 @@ def test_damaged_but_readable_input_is_used_with_a_warning(tmp_path, ramp, impor
         content = json.loads((tmp_path / "c.json").read_text())
         assert len(content["warnings"]) == 1
         assert 3000 < content["recordings"][0]["samples"] < 8000
-        refused("compare", damaged, "--model", "polito_bench", "--strict", naming=(damaged.name,))
+        line = refused("compare", damaged, "--model", "polito_bench", "--strict", naming=(damaged.name,))
+        assert line == f"error: {content['warnings'][0]} (--strict refuses this; without it, it is only a warning)"
+        assert "can be used" in line
 
 
 def test_recordings_of_one_name_are_told_apart(tmp_path, ramp):
