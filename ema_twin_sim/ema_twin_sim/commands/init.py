@@ -125,8 +125,8 @@ def run(
         warn_of_foreign_units(guesses)
         joint = (guesses.joint.sentence,) if guesses.joint.number else ()
         say_what_it_rests_on(files[1], (*joint, *assumed_units(guesses), *drafts.assumed))
-    for question in drafts.questions:
-        warn(question)
+    for told in (*drafts.warnings, *drafts.questions):
+        warn(told)
     say_next(files, drafts, guesses, [quote(str(trace)) for trace in traces] or ["TRACE.csv"], holed)
 
 
@@ -141,6 +141,8 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
     if not traces:
         raise InputError("init: --map needs a recording; give one, or leave --map out to answer questions")
     recordings = [load(trace, import_map=map_file) for trace in traces]
+    for warning in (warning for recording in recordings for warning in recording.warnings):
+        warn(warning)
     shaft = Shaft(recordings[0].metadata.get(f"motor_position{AT}", "motor"), given.gear_ratio)
     model = checked_model(recordings, given, shaft)
     _write(place, model.text, force)
