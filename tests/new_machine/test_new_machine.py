@@ -2,6 +2,7 @@
 
 import re
 import shlex
+import shutil
 
 import numpy as np
 import pytest
@@ -58,6 +59,20 @@ def test_what_init_says_to_run_next_runs_as_it_is(traces, tmp_path):
     said = done("init", *traces, "-o", "press", "--torque-constant", "0.4", cwd=tmp_path).stdout
     (command,) = re.findall(r"ema-twin (info .*(?:\n .*)?)\n *ema-twin discover", said)
     assert "output_position" in done(*shlex.split(command), cwd=tmp_path).stdout
+    shutil.copy(tmp_path / "press.yaml", tmp_path / "found.yaml")
+    for verb in ("compare", "report"):  # with the map, and beside what discover writes
+        (command,) = re.findall(rf"ema-twin ({verb} .*)", said)
+        assert "--map press_map.yaml --model press.yaml --model found.yaml" in command
+    (command,) = re.findall(r"ema-twin (compare .*)", said)
+    assert "RMSE" in done(*shlex.split(command), cwd=tmp_path).stdout
+
+
+def test_the_commands_after_a_model_alone_take_the_map_too(traces, tmp_path):
+    done("init", traces[1], "-o", "press", "--torque-constant", "0.4", cwd=tmp_path)
+    given = ("init", traces[1], "-o", "model", "--map", "press_map.yaml", "--torque-constant", "0.4")
+    said = done(*given, cwd=tmp_path).stdout
+    listed = re.findall(r"  ema-twin (\w+) .* --map press_map.yaml --model model.yaml", said)
+    assert listed == ["discover", "compare", "report"]
 
 
 @pytest.mark.slow

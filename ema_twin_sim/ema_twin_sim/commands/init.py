@@ -16,6 +16,7 @@ from .output import say, warn
 from .shown_draft import (
     in_unit,
     say_next,
+    say_search,
     say_what_it_rests_on,
     to_look_at,
     warn_of_contradicted_names,
@@ -150,8 +151,8 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
     for question in model.questions:
         warn(question)
     say(f"{place}: {to_look_at(model.text)}")
-    names = " ".join(quote(str(trace)) for trace in traces)
-    say(f"Then:\n  ema-twin discover {names} --map {quote(str(map_file))} --model {quote(str(place))} -o found.yaml")
+    say("Then:")
+    say_search(" ".join(quote(str(trace)) for trace in traces), map_file, place)
 
 
 def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Guesses, tuple[Guess, ...]]:
