@@ -14,6 +14,7 @@ from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from ema_twin_sim.words.sentences import (
     change_words,
+    larger_sentence,
     left_sentence,
     output_sentence,
     removed_words,
@@ -89,3 +90,12 @@ def test_at_which_shaft_torques_of_the_output_are_given_is_told_where_there_is_o
     for names in ((), ("machine",), ("cogging", "encoder_eccentricity", "coulomb_friction")):
         assert output_sentence(model, names) == ""
     assert output_sentence(model.with_value("machine.gear_ratio", 1.0), ["gravity_load"]) == ""
+
+
+def test_why_a_step_is_kept_whose_simulated_error_grew_is_told_where_one_is():
+    def step(before, after, action="add"):
+        return SimpleNamespace(action=action, rmse_before=before, rmse_after=after)
+
+    assert larger_sentence([step(29.7, 29.8), step(29.8, 5.6)]).startswith("Larger error: a step takes the effect that")
+    for steps in ([], [step(29.7, 5.6)], [step(1.0, 1.0001)], [step(1.0, 2.0, "remove")]):
+        assert larger_sentence(steps) == ""

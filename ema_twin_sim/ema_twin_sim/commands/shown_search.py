@@ -16,6 +16,7 @@ from ..words.sentences import (
     effect_words,
     groups_sentence,
     has_moved,
+    larger_sentence,
     left_sentence,
     order_sentences,
     output_sentence,
@@ -52,6 +53,8 @@ def show_search(found: Discovery, without: Sequence[str] = ()) -> None:
     if found.steps:
         console.print(_steps(found))
         say(STEPS_ARE)
+        if grew := larger_sentence(found.steps):
+            say(grew)
         if leaves := left_sentence(found.unseen):
             say(leaves)
         if _is_crowded(found):

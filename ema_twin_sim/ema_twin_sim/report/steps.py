@@ -17,6 +17,7 @@ from ..words.sentences import (
     REFIT_IS,
     change_words,
     effect_words,
+    larger_sentence,
     output_sentence,
     removed_words,
     why_step,
@@ -58,6 +59,8 @@ def steps(content: Content, charts: Charts) -> Markup:
             "runner-up, or reason",
         )
         parts.append(table(head, [*_refit(findings), *rows], words=(0, 6)))
+        if grew := larger_sentence(findings.steps):
+            parts.append(tag("p", grew, class_="aside"))
     if findings is not None and findings.unseen is not None and len(findings.unseen.rmse) > 1:
         parts.append(charts.add(falling(findings, findings.unseen)))
     return section("steps", "Step by step, and the numbers", *parts, *_parameters(content), *_constants(content))

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .findings import Findings, UnseenErrors
     from .fit_findings import FitFindings
 
+LARGER = "larger error"
 NO_RUNNER_UP = "no close runner-up"
 YOURS = "Your model"
 REFIT = "constants refitted"
@@ -64,14 +65,25 @@ def dependence_words(depends_on: Iterable[str]) -> str:
 def removed_words(share: float | None, before: float = 0.0, after: float = 0.0) -> str:
     """The share of an error that was removed: ``99.9 %``; 100 % only if all of it was. A dash if there was no error.
 
-    ``larger error`` if the RMSE grew from ``before`` to ``after``.
+    ``LARGER`` if the RMSE grew from ``before`` to ``after``.
     """
     if share is None:
         return "–"
     if after > (1.0 + _NOTHING) * before:
-        return "larger error"
+        return LARGER
     told = told_share(share)
     return "over 99.9 %" if 1.0 - _NOTHING <= told < 1.0 else f"{100.0 * told:.1f} %"
+
+
+def larger_sentence(steps: Iterable[Step]) -> str:
+    """A sentence on why an effect was added although the simulated error grew in its step; empty if none was."""
+    if not any(s.action == "add" and s.rmse_after > (1.0 + _NOTHING) * s.rmse_before for s in steps):
+        return ""
+    return (
+        f"{LARGER.capitalize()}: a step takes the effect that best explains the torque (or the encoders' difference) "
+        "of the measured motion, not the one that most reduces this simulated error, which may fall only after a later "
+        "step."
+    )
 
 
 def left_sentence(unseen: Unseen | UnseenErrors) -> str:
