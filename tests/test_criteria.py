@@ -47,6 +47,7 @@ METHOD = {
     "identification/uncertainty.py": "STEP_SHARES RIDGE BLOCKS LEAST_ELSEWHERE",
     "identification/wandering.py": "SHARES HARDLY",
     "identification/weighting.py": "FAR INFLATED",
+    "comparison/decisive_stretch.py": "_PARTS",
     "comparison/orders.py": "_STEP ORDERS _REFINED _MOST_REFINED _POLISHED _FEWEST_CYCLES _FEWEST_SAMPLES _ENOUGH",
     "comparison/torque_error.py": "BAND ENDS ORDER",
     "comparison/where.py": "_BINS FEWEST _SPEED_SHARES",

@@ -6,9 +6,12 @@ import pytest
 
 from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.campaign.jobs import Grouping, Task, find_jobs
+from ema_twin_sim.campaign.engine import Outcome
+from ema_twin_sim.campaign.jobs import Grouping, Job, Task, find_jobs
 from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED
+from ema_twin_sim.campaign.store import Store
 from ema_twin_sim.campaign.work import judged
+from ema_twin_sim.commands import campaign as command
 
 COMPARE = Task("compare", "polito_bench")
 
@@ -107,3 +110,24 @@ class TestWork:
         monkeypatch.setattr("ema_twin_sim.campaign.work._of_recordings", lambda recordings: 1 / 0)
         broken = judged(jobs[0], COMPARE)[0]
         assert (broken["status"], "ZeroDivisionError" in broken["message"]) == (FAILED, True)
+
+    def test_a_recording_whose_end_is_cut_is_told_of_and_judged(self, folder):
+        whole, torn = next((folder / "A").glob("*.CSV")), folder / "B" / "torn.CSV"
+        torn.write_bytes(whole.read_bytes()[:100_000])
+        jobs = find_jobs(Grouping.of(folder, None, "recording"), COMPARE)
+        told = []
+        row = judged(jobs[-1], COMPARE, told.append)[0]
+        assert row["status"] == DONE and row["warnings"] == told
+        (one,) = told
+        assert one.startswith("torn.CSV: line ") and "the last row is cut" in one
+
+
+def test_of_many_damaged_recordings_a_few_are_named_and_the_others_counted(monkeypatch, tmp_path, capsys):
+    jobs = [Job(f"key {k}", "A", f"{k}.csv", ()) for k in range(8)]
+    outcomes = [Outcome(job, DONE, "", 0.1, (f"{job.name}: the last row is cut",)) for job in jobs]
+    monkeypatch.setattr("ema_twin_sim.campaign.campaign.campaign", lambda *_: iter(outcomes))
+    counts = command._judge(None, jobs, COMPARE, Store.made(tmp_path / "results"))
+    told = [line for line in capsys.readouterr().err.splitlines() if line.startswith("warning: ")]
+    assert counts == {DONE: 8}
+    assert told[:5] == [f"warning: A: {k}.csv: the last row is cut" for k in range(5)]
+    assert len(told) == 6 and "3 more recordings" in told[5]

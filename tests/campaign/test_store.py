@@ -17,6 +17,7 @@ from ema_twin_sim.campaign.histories import outlooks, read_limits, stands_still
 from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED, SCHEMA
 from ema_twin_sim.campaign.store import Store, writer_host
 from ema_twin_sim.campaign.units import units_of
+from tests.command_line import done
 
 
 def a_row(unit="A", name="a", key="1", status=DONE, done=0, **others):
@@ -147,6 +148,14 @@ class TestUnits:
             for unit, times in (("A", 2.0), ("B", 7.0))
         ]
         assert [(unit.name, unit.beyond_noise) for unit in units_of(rows)] == [("B", 7.0), ("A", 2.0)]
+
+    def test_whose_error_a_unit_is_shown_with_is_said(self, tmp_path):
+        store = Store.made(tmp_path / "r")
+        store.write([a_row(name=f"{k}", key=f"{k}", errors=[], beyond_noise=[{"signal": "current", "times": times}])
+                     for k, times in enumerate((9.0, 2.0))])  # fmt: skip
+        told = done("units", tmp_path / "r").stdout
+        assert "last error / noise" in told and "the last recording that was judged" in told
+        assert "2.0 ×" in told and "9.0 ×" not in told
 
 
 class TestHistories:

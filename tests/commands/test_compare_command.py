@@ -85,9 +85,8 @@ def test_a_folder_of_traces_is_its_recordings(tmp_path, traces):
 def test_where_shows_what_tells_and_the_best_of_each_signal(tmp_path, ramp):
     text = done("compare", ramp, *MODEL, "--json", tmp_path / "c.json").stdout
     where = json.loads((tmp_path / "c.json").read_text())["where"]
-    shares = [
-        int(line.split("%")[0].split()[-1]) for line in text.splitlines() if " % " in line and "power" not in line
-    ]
+    rows = [line for line in text.splitlines() if " % " in line and "│" in line]
+    shares = [int(line.split("%")[0].split()[-1]) for line in rows]
     telling = [found for found in where if found["share"] >= 0.1]
     assert len(shares) < len(where) and len(shares) >= len(telling) and max(shares) >= 10
     assert sum(share < 10 for share in shares) <= len({found["signal"] for found in where})
@@ -124,7 +123,9 @@ def test_damaged_but_readable_input_is_used_with_a_warning(tmp_path, ramp, impor
         content = json.loads((tmp_path / "c.json").read_text())
         assert len(content["warnings"]) == 1
         assert 3000 < content["recordings"][0]["samples"] < 8000
-        refused("compare", damaged, "--model", "polito_bench", "--strict", naming=(damaged.name,))
+        line = refused("compare", damaged, "--model", "polito_bench", "--strict", naming=(damaged.name,))
+        assert line == f"error: {content['warnings'][0]} (--strict refuses this; without it, it is only a warning)"
+        assert "can be used" in line
 
 
 def test_recordings_of_one_name_are_told_apart(tmp_path, ramp):

@@ -1,5 +1,6 @@
 """Model files: the shipped ones, and what is refused."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -60,6 +61,23 @@ def test_an_unknown_name_offers_the_nearest():
 def test_a_missing_file_is_named():
     with pytest.raises(InputError, match=r"nowhere.yaml: cannot be read \(No such file.*config/models"):
         load_model(Path("nowhere.yaml"))
+
+
+@pytest.mark.parametrize("name", ["gear_ratio", "torque_constant"])
+def test_what_is_assumed_is_marked_until_it_is_measured_or_confirmed(tmp_path, name):
+    path, stock = f"machine.{name}", load_model("polito_bench")
+
+    def marked(model, file):
+        text = save_model(model, tmp_path / f"{file}.yaml").read_text()
+        assert load_model(tmp_path / f"{file}.yaml").constants[path] == model.constants[path]
+        return [line.split(":")[0].strip() for line in text.splitlines() if "# CHECK: " in line]
+
+    held = replace(stock.constants[path], source="assumed")
+    assumed = replace(stock, constants={**stock.constants, path: held})
+    assert marked(assumed, "assumed") == marked(assumed.with_effect("backlash"), "with") == [name]
+    fitted = assumed.with_value(path, 1.1 * held.value).fitted_from(assumed)
+    confirmed = replace(stock, constants={**stock.constants, path: replace(held, source="data sheet")})
+    assert marked(fitted, "fitted") == marked(confirmed, "confirmed") == []
 
 
 def test_a_wrong_unit_is_refused(tmp_path, content):

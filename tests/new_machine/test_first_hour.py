@@ -68,6 +68,16 @@ def test_a_unit_that_contradicts_its_columns_name_is_told_at_once(servo, tmp_pat
     assert told.count("its name says") == 2 and said in told
 
 
+def test_a_trace_whose_end_is_cut_is_drafted_from_and_told_of(servo, tmp_path, capsys):
+    cut = tmp_path / servo[0].name
+    cut.write_bytes(servo[0].read_bytes().rstrip()[:-4])
+    line = len(servo[0].read_text().splitlines())
+    said = f"warning: {cut.name}: line {line}: the last row is cut, so only the rows before it can be used"
+    assert "is cut" not in drafted(servo, tmp_path, capsys)
+    assert drafted([cut], tmp_path, capsys, force=True).count(said) == 1
+    assert drafted([cut], tmp_path, capsys, import_map=str(tmp_path / "servo_map.yaml"), force=True).count(said) == 1
+
+
 def renamed(file, folder, **names):
     """The file with other names of some columns in its header."""
     header, _, rows = file.read_text().partition("\n")

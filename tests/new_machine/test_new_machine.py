@@ -2,6 +2,7 @@
 
 import re
 import shlex
+import shutil
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.measured.consistency import inconsistencies
-from ema_twin_sim.model import load_model
+from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.model.matching import matched
 from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.steps import smallest_step
@@ -58,6 +59,20 @@ def test_what_init_says_to_run_next_runs_as_it_is(traces, tmp_path):
     said = done("init", *traces, "-o", "press", "--torque-constant", "0.4", cwd=tmp_path).stdout
     (command,) = re.findall(r"ema-twin (info .*(?:\n .*)?)\n *ema-twin discover", said)
     assert "output_position" in done(*shlex.split(command), cwd=tmp_path).stdout
+    shutil.copy(tmp_path / "press.yaml", tmp_path / "found.yaml")
+    for verb in ("compare", "report"):  # with the map, and beside what discover writes
+        (command,) = re.findall(rf"ema-twin ({verb} .*)", said)
+        assert "--map press_map.yaml --model press.yaml --model found.yaml" in command
+    (command,) = re.findall(r"ema-twin (compare .*)", said)
+    assert "RMSE" in done(*shlex.split(command), cwd=tmp_path).stdout
+
+
+def test_the_commands_after_a_model_alone_take_the_map_too(traces, tmp_path):
+    done("init", traces[1], "-o", "press", "--torque-constant", "0.4", cwd=tmp_path)
+    given = ("init", traces[1], "-o", "model", "--map", "press_map.yaml", "--torque-constant", "0.4")
+    said = done(*given, cwd=tmp_path).stdout
+    listed = re.findall(r"  ema-twin (\w+) .* --map press_map.yaml --model model.yaml", said)
+    assert listed == ["discover", "compare", "report"]
 
 
 @pytest.mark.slow
@@ -283,6 +298,8 @@ def test_a_torque_constant_that_no_drive_could_feed_is_the_joints(tmp_path, rati
     own = told / (ratio if at_joint else 1.0)
     assert load_model(tmp_path / "j.yaml").value("machine.torque_constant") == pytest.approx(own)
     assert ("CHECK" in line_of(tmp_path / "j.yaml", "torque_constant")) == at_joint
+    save_model(load_model(tmp_path / "j.yaml"), tmp_path / "later.yaml")
+    assert ("CHECK" in line_of(tmp_path / "later.yaml", "torque_constant")) == at_joint
 
 
 @pytest.mark.parametrize(("ratio", "told"), [(100.0, 4e5), (9.0, 420.0), (1.0, 4200.0)])

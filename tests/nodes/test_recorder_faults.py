@@ -134,7 +134,7 @@ class TestFullDisk:
         assert [file.name for file in bench.writer.files] == ["live.mcap", "live_1.mcap"]
         recording = load(tmp_path / "live")
         assert len(recording) == 2000
-        assert recording.warnings == ("live.mcap: the file is cut; used up to the last whole part",)
+        assert recording.warnings == ("live.mcap: the file is cut, so only what is before that can be used",)
         assert opened_by_others(tmp_path / "live") == 1000  # the whole file alone is listed
 
     def test_a_file_that_failed_is_finished_where_it_can_be(self, bench, disk, tmp_path, monkeypatch):

@@ -6,7 +6,11 @@ import sys
 
 import pytest
 
+from ema_twin_sim.commands.main import app
+from ema_twin_sim.effects import catalogue
 from tests.tutorials import DOCS
+
+README = (DOCS.parent / "README.md").read_text()
 
 
 @pytest.fixture(scope="module")
@@ -34,6 +38,20 @@ def test_pages_fetch_nothing(built):
 
 
 def test_the_readme_leads_to_every_tutorial():
-    readme = (DOCS.parent / "README.md").read_text()
     for file in DOCS.glob("tutorial_*.md"):
-        assert f"(docs/{file.name})" in readme, file.name
+        assert f"(docs/{file.name})" in README, file.name
+
+
+def test_the_readme_names_every_target_of_make_and_every_verb():
+    targets = re.findall(r"^([a-z-]+):.*## ", (DOCS.parent / "Makefile").read_text(), re.MULTILINE)
+    named = set(re.findall(r"\bmake ([a-z-]+)|`([a-z-]+)`", README))
+    assert {*targets} - {word for pair in named for word in pair} == {"help"}
+    rows = " ".join(re.findall(r"^\| (`.*?) \|", README.partition("| command | does |")[2], re.MULTILINE))
+    verbs = {command.name for command in app.registered_commands}
+    assert {verb for verb in verbs if not re.search(rf"`{verb}[ `]", rows)} == set()
+
+
+def test_pages_count_the_effects_of_the_catalogue():
+    pages = [README, *(file.read_text() for file in DOCS.glob("*.md"))]
+    counts = [count for text in pages for count in re.findall(r"catalogue holds (.*?) effects", text)]
+    assert len(counts) == 2 and {*counts} == {str(len(catalogue()))}

@@ -198,7 +198,10 @@ class TestDamage:
         whole = a_recording()
         assert recording.signals["speed"].tobytes() == whole.signals["speed"][: len(recording)].tobytes()
         assert recording.metadata == whole.metadata
-        assert recording.warnings == (*whole.warnings, "run.mcap: the file is cut; used up to the last whole part")
+        assert recording.warnings == (
+            *whole.warnings,
+            "run.mcap: the file is cut, so only what is before that can be used",
+        )
 
     def test_a_file_without_its_last_bytes_is_whole_but_said(self, mcap):
         mcap.write_bytes(mcap.read_bytes()[:-5])

@@ -81,7 +81,7 @@ for k in itertools.count():
         os.kill(run.pid, signal.SIGKILL)
         run.wait()
         recording = load(tmp_path / "live")
-        assert recording.warnings == ("live.mcap: the file is cut; used up to the last whole part",)
+        assert recording.warnings == ("live.mcap: the file is cut, so only what is before that can be used",)
         assert last - (recording.start + recording.stamps[-1]) < 0.25e9
         cut = tmp_path / "live" / "live.mcap"
         before = cut.read_bytes()

@@ -141,7 +141,7 @@ def test_rounded_times_are_not_unequal(trace):
 def test_a_torn_last_row_is_left_out(trace, cut):
     recording = load(trace("\r\n".join([HEADER, *ROWS[:3], cut]).encode()))
     assert len(recording) == 3
-    assert recording.warnings == ("run.csv: line 5: the last row is cut; used up to the row before it",)
+    assert recording.warnings == ("run.csv: line 5: the last row is cut, so only the rows before it can be used",)
 
 
 def test_a_torn_row_with_a_line_end_or_zeros_behind_it(trace):

@@ -18,7 +18,7 @@ from ema_twin_sim.measured.noise import noise_of
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from ema_twin_sim.words.findings import UnseenErrors
-from ema_twin_sim.words.sentences import refit_sentence, removed_words, verdict_sentence
+from ema_twin_sim.words.sentences import LARGER, refit_sentence, removed_words, verdict_sentence
 from tests.accuracy.contradictions import contradictions, told_of
 
 FAR_OFF = {"machine.motor_inertia": 1.5, "machine.output_inertia": 1.5}
@@ -134,7 +134,7 @@ def test_as_many_constants_are_refitted_as_a_difference_shows(stock):
 def test_no_share_is_more_than_all_or_less_than_nothing(before, after):
     share = told_share(share_removed(before, after, 1.0))
     assert 0.0 <= share <= 1.0
-    assert (removed_words(share, before, after) == "larger error") == (after > before)
+    assert (removed_words(share, before, after) == LARGER) == (after > before)
 
 
 def test_a_search_that_tells_of_no_start_is_told_without():

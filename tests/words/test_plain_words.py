@@ -1,16 +1,25 @@
 """What is said of a search is understood at the first reading, and no sentence contradicts the one beside it."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
 from ema_twin_sim.comparison.running_comparison import share_removed
 from ema_twin_sim.criteria import SUREST
+from ema_twin_sim.discovery.assumed_torque import of_assumed_torque
 from ema_twin_sim.discovery.cautions import of_open_constants
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
-from ema_twin_sim.words.sentences import change_words, left_sentence, removed_words, surest_sentence
+from ema_twin_sim.words.sentences import (
+    change_words,
+    larger_sentence,
+    left_sentence,
+    output_sentence,
+    removed_words,
+    surest_sentence,
+)
 
 FLOOR = 15e-3  # A
 
@@ -33,6 +42,19 @@ def test_what_the_last_step_leaves_is_told_beside_the_noise():
 def test_why_no_answer_is_surer_is_told_and_what_open_constants_cost():
     assert f"{100.0 * SUREST:.0f} %" in surest_sentence()
     assert "less than 10 % of the drive's torque" in of_open_constants()
+
+
+def test_what_rests_on_an_assumed_torque_constant_is_told_while_it_is_assumed(stock):
+    ramp = virtual_bench(stock, parse_command("ramp:0.05"), 0.1)
+    without_current = replace(ramp, signals={k: v for k, v in ramp.signals.items() if k != "current"})
+    path = "machine.torque_constant"
+
+    def said(source, recording=ramp):
+        held = replace(stock.constants[path], source=source)
+        return of_assumed_torque([recording], replace(stock, constants={**stock.constants, path: held}))
+
+    assert "1.91 N m/A, is only assumed" in said("assumed")[0]
+    assert said("data sheet") == said("fitted; 1 before") == said("assumed", without_current) == ()
 
 
 @pytest.mark.slow
@@ -59,3 +81,21 @@ def test_what_one_direction_cannot_tell_apart_is_said(stock, reverses):
 )
 def test_a_constant_far_from_its_start_value_is_told_as_a_factor(value, nominal, words):
     assert change_words({"value": value, "nominal": nominal}) == words
+
+
+def test_at_which_shaft_torques_of_the_output_are_given_is_told_where_there_is_one(stock):
+    model = stock.with_effect("gravity_load").with_effect("encoder_eccentricity").with_effect("cogging")
+    told = output_sentence(model, ["cogging", "gravity_load", "coulomb_friction_2", "machine"])
+    assert "(gravity load and Coulomb friction 2) are given at the motor; a torque at the output is 124 times" in told
+    for names in ((), ("machine",), ("cogging", "encoder_eccentricity", "coulomb_friction")):
+        assert output_sentence(model, names) == ""
+    assert output_sentence(model.with_value("machine.gear_ratio", 1.0), ["gravity_load"]) == ""
+
+
+def test_why_a_step_is_kept_whose_simulated_error_grew_is_told_where_one_is():
+    def step(before, after, action="add"):
+        return SimpleNamespace(action=action, rmse_before=before, rmse_after=after)
+
+    assert larger_sentence([step(29.7, 29.8), step(29.8, 5.6)]).startswith("Larger error: a step takes the effect that")
+    for steps in ([], [step(29.7, 5.6)], [step(1.0, 1.0001)], [step(1.0, 2.0, "remove")]):
+        assert larger_sentence(steps) == ""

@@ -47,7 +47,7 @@ def read_bag(
     topic, schema, types = _choose(place, scans, topic)
     columns = _read(scans, topic, schema, types, progress)
     damaged = [scan for scan in scans if scan.damage]
-    warnings = [f"{scan.path.name}: {scan.damage}; used up to the last whole part" for scan in damaged]
+    warnings = [f"{scan.path.name}: {scan.damage}, so only what is before that can be used" for scan in damaged]
     if not columns:
         where = " before the damage" if damaged else ""
         raise InputError(f"{place}: {topic} has no samples{where}; record it again")

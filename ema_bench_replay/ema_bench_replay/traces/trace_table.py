@@ -205,7 +205,9 @@ class _RowReader:
         return text[:end]
 
     def _report_torn(self, line: int) -> None:
-        self.warnings.append(f"{self.path.name}: line {line}: the last row is cut; used up to the row before it")
+        self.warnings.append(
+            f"{self.path.name}: line {line}: the last row is cut, so only the rows before it can be used"
+        )
 
     def _only_needed(self, text: bytes) -> np.ndarray | None:
         """The rows, with NaN in unneeded columns, if the others contain nothing unusual; otherwise None."""

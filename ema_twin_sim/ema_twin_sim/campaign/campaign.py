@@ -27,16 +27,17 @@ def campaign(client: Client, jobs: Sequence[Job], task: Task, store: Path) -> It
 
 def _batch(jobs: Sequence[Job], task: Task, store: Path) -> list[Outcome]:
     one_after_another()  # the other cores have workers of their own
-    each = [judged(job, task) for job in jobs]
+    told: list[list[str]] = [[] for _ in jobs]
+    each = [judged(job, task, warnings.append) for job, warnings in zip(jobs, told, strict=True)]
     Store(store).write([row for rows in each for row in rows])
-    return [outcome(job, rows) for job, rows in zip(jobs, each, strict=True)]
+    return [outcome(job, rows, warnings) for job, rows, warnings in zip(jobs, each, told, strict=True)]
 
 
-def outcome(job: Job, rows: Sequence[Row]) -> Outcome:
+def outcome(job: Job, rows: Sequence[Row], warnings: Sequence[str] = ()) -> Outcome:
     """The outcome of a job with these rows: failed if any failed, else done if any is done, else refused."""
     worst = min(rows, key=lambda row: _ORDER.index(row["status"]))
     seconds = sum(row["seconds"] for row in rows)
-    return Outcome(job, worst["status"], worst.get("message") or "", seconds)
+    return Outcome(job, worst["status"], worst.get("message") or "", seconds, tuple(warnings))
 
 
 def _lost(job: Job, reason: str, task: Task, store: Path) -> Outcome:

@@ -45,12 +45,13 @@ _LISTENING = "127.0.0.1"
 
 
 class Outcome(NamedTuple):
-    """How a job went: what its rows say, without the findings."""
+    """How a job went: what its rows say, without the findings; and what is wrong with the recordings themselves."""
 
     job: Job
     status: str
     message: str
     seconds: float
+    warnings: tuple[str, ...] = ()
 
 
 Work = Callable[[Sequence["Job"]], list[Outcome]]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime, timezone
 from functools import lru_cache
 from pathlib import Path
@@ -32,10 +32,11 @@ _HASH_BYTES = 16
 Row = dict[str, Any]
 
 
-def judged(job: Job, task: Task) -> list[Row]:
+def judged(job: Job, task: Task, tell: Callable[[str], None] = lambda text: None) -> list[Row]:
     """The rows of a job: the findings, or why there are none; one row, or one for each run of a file that holds many.
 
-    All have the job's key, and the time at which it was done.
+    All have the job's key, and the time at which it was done. ``tell`` is called with what is wrong with the recordings
+    themselves, which the rows have among their other warnings.
     """
     begun = time.perf_counter()
     row = blank(job, task)
@@ -47,6 +48,8 @@ def judged(job: Job, task: Task) -> list[Row]:
     except Exception as error:  # one recording must not stop the campaign
         rows = [row | _failed(error)]
     else:
+        for warning in dict.fromkeys(warning for recording in recordings for warning in recording.warnings):
+            tell(warning)
         if job.apart and len(recordings) > 1:
             rows = [_judged(row | {"name": _run_name(job, one)}, [one], job, task) for one in recordings]
         else:

@@ -39,7 +39,7 @@ ema-twin campaign /data/tests --model /data/press.yaml -o /data/results --schedu
 Then: ema-twin units results"""
 
 _SHOWN = 5
-"""Number of refused (and of failed) recordings whose reason is printed."""
+"""Number of refused (and of failed) recordings whose reason is printed, and of damaged ones whose damage is."""
 _EVERY = 10.0  # s, interval of the search for new recordings
 
 
@@ -216,13 +216,19 @@ def _judge(client: Client, jobs: Sequence[Job], task: Task, store: Store) -> Cou
     from ..campaign.campaign import campaign
 
     counts: Counter[str] = Counter()
+    damaged = 0
     with counted(len(jobs), "judging") as done:
         outcomes: Iterator[Outcome] = campaign(client, jobs, task, store.folder.resolve())
         for outcome in outcomes:
             counts[outcome.status] += 1
             if outcome.status != "done" and counts[outcome.status] <= _SHOWN:
                 warn(f"{outcome.job.unit}, {outcome.job.name}: {outcome.status}: {outcome.message}")
+            damaged += bool(outcome.warnings)
+            for warning in outcome.warnings if damaged <= _SHOWN else ():
+                warn(f"{outcome.job.unit}: {warning}")
             done(outcome.job.name)
+    if damaged > _SHOWN:
+        warn(f"{damaged - _SHOWN} more recordings have such warnings; the results hold them (column warnings)")
     return counts
 
 

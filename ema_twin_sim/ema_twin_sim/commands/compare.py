@@ -52,7 +52,7 @@ def run(
         comparisons = compare_all(
             recordings, models, input, step=step, progress=partial(_tell, done), within=partial(_tell_within, done)
         )
-    show_comparison(comparisons, labels=model)
+    show_comparison(comparisons, labels=model, start=start or 0.0)
     warn_of(list(dict.fromkeys(text for c in comparisons for text in c.warnings)), recordings)
     first, *others = comparisons
     beside = [{**other.as_json(), "times_closer": closer(first, other).as_json()} for other in others]

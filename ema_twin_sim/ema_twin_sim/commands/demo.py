@@ -130,7 +130,9 @@ def run(
             f"demo: the monitor did not compare every sample ({counts}); free the machine and run it again"
         )
 
-    _chapter("5", "The error falls", "ema-twin fit … --model better.yaml -o fitted.yaml, and compare all three")
+    _chapter(
+        "5", "The errors of three models", "ema-twin fit … --model better.yaml -o fitted.yaml, and compare all three"
+    )
     say(
         "Three models: polito_bench unchanged; better.yaml with the effects found; and fitted.yaml, the same with all "
         "parameters fitted to the simulated loop, to see whether that reduces the current's error further.\n"
@@ -145,10 +147,10 @@ def run(
     comparisons = (before, after, compare(recordings, models[2], noise=noise))
     show_comparison(comparisons)
     errors = [each.overall for each in comparisons]
-    falls = " to ".join(quantity(error["current"]["rmse"], "A") for error in errors[:2])
+    both = " to ".join(quantity(error["current"]["rmse"], "A") for error in errors[:2])
     floor = quantity(errors[0]["current"]["noise_floor"], "A")
     say(
-        f"\nWith the effects found, the current's error fell from {falls}; the sensors' noise is {floor}. "
+        f"\nWith the effects found, the current's error goes from {both}; the sensors' noise is {floor}. "
         f"{fit_sentences(errors[1], errors[2], ['current'], fit)}",
         style="bold",
     )

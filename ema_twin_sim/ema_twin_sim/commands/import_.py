@@ -15,7 +15,7 @@ from ema_bench_replay.errors import InputError
 
 from ..quantities import quantity
 from . import options
-from .output import console, counted, warn
+from .output import console, counted
 
 EXAMPLES = """Examples:
 
@@ -46,7 +46,7 @@ def run(
     from ema_bench_replay.traces.import_map import load_map
     from ema_bench_replay.traces.trace_csv import read_trace
 
-    from .inputs import refuse_inputs, write_json
+    from .inputs import refuse_inputs, warn_or_refuse, write_json
 
     chosen = load_map(import_map)
     _check_files(files, topic)
@@ -59,10 +59,7 @@ def run(
         else:
             recording = read_bag(file, topic=topic, progress=of_file).from_zero()
             recording = replace(recording, name="_".join([recording.name, *topic.split("/")[1:]]))
-        for warning in recording.warnings:
-            if strict:
-                raise InputError(f"{warning} (refused by --strict)")
-            warn(warning)
+        warn_or_refuse(recording.warnings, strict=strict)
         path = write_bag(recording, output, force=force)
         written.append(
             {

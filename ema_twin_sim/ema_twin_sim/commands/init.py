@@ -16,6 +16,7 @@ from .output import say, warn
 from .shown_draft import (
     in_unit,
     say_next,
+    say_search,
     say_what_it_rests_on,
     to_look_at,
     warn_of_contradicted_names,
@@ -125,8 +126,8 @@ def run(
         warn_of_foreign_units(guesses)
         joint = (guesses.joint.sentence,) if guesses.joint.number else ()
         say_what_it_rests_on(files[1], (*joint, *assumed_units(guesses), *drafts.assumed))
-    for question in drafts.questions:
-        warn(question)
+    for told in (*drafts.warnings, *drafts.questions):
+        warn(told)
     say_next(files, drafts, guesses, [quote(str(trace)) for trace in traces] or ["TRACE.csv"], holed)
 
 
@@ -141,6 +142,8 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
     if not traces:
         raise InputError("init: --map needs a recording; give one, or leave --map out to answer questions")
     recordings = [load(trace, import_map=map_file) for trace in traces]
+    for warning in (warning for recording in recordings for warning in recording.warnings):
+        warn(warning)
     shaft = Shaft(recordings[0].metadata.get(f"motor_position{AT}", "motor"), given.gear_ratio)
     model = checked_model(recordings, given, shaft)
     _write(place, model.text, force)
@@ -148,8 +151,8 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
     for question in model.questions:
         warn(question)
     say(f"{place}: {to_look_at(model.text)}")
-    names = " ".join(quote(str(trace)) for trace in traces)
-    say(f"Then:\n  ema-twin discover {names} --map {quote(str(map_file))} --model {quote(str(place))} -o found.yaml")
+    say("Then:")
+    say_search(" ".join(quote(str(trace)) for trace in traces), map_file, place)
 
 
 def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Guesses, tuple[Guess, ...]]:

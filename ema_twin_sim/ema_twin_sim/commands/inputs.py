@@ -39,10 +39,7 @@ def load_runs(
     files = [parts[0] for parts in found]
     recordings = []
     for file, recording in zip(files, _read(found, import_map), strict=True):
-        for warning in recording.warnings:
-            if strict:
-                raise InputError(f"{warning} (refused by --strict)")
-            warn(warning)
+        warn_or_refuse(recording.warnings, strict=strict)
         if start is not None or end is not None:
             recording = recording.between(start, end)
         if len(recording) < least:
@@ -52,6 +49,14 @@ def load_runs(
         recordings.append(recording)
     names = _told_apart([recording.name for recording in recordings], files)
     return [replace(recording, name=name) for recording, name in zip(recordings, names, strict=True)]
+
+
+def warn_or_refuse(warnings: Sequence[str], *, strict: bool) -> None:
+    """Print what is wrong with a recording; if ``strict``, raise InputError with the first of it."""
+    if strict and warnings:
+        raise InputError(f"{warnings[0]} (--strict refuses this; without it, it is only a warning)")
+    for warning in warnings:
+        warn(warning)
 
 
 def _read(found: Sequence[tuple[Path, ...]], import_map: str) -> Iterator[Recording]:

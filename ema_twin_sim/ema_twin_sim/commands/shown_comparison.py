@@ -12,6 +12,7 @@ from ..comparison.beyond_noise import beyond_noise, shown_signals
 from ..criteria import SMALL
 from ..listing import listed
 from ..quantities import quantity
+from ..words.decisive import decisive_sentence
 from ..words.error_cells import ALL, error_cell, noise_cell
 from ..words.sentences import by_number
 from .output import console, say, sparkline
@@ -27,8 +28,11 @@ if TYPE_CHECKING:
 BLIND = 0.5  # noise as a fraction of the signal; above it, an error within the noise says nothing
 
 
-def show_comparison(comparisons: Sequence[Comparison], labels: Sequence[str] = ()) -> None:
-    """Print the errors of all models, then where each fails; ``labels`` distinguish models of the same name."""
+def show_comparison(comparisons: Sequence[Comparison], labels: Sequence[str] = (), start: float = 0.0) -> None:
+    """Print the errors of all models, then where each fails; ``labels`` distinguish models of the same name.
+
+    ``start`` [s] is where the recordings were cut.
+    """
     names = [comparison.model for comparison in comparisons]
     if labels and len(set(names)) < len(names):
         comparisons = [replace(c, model=label) for c, label in zip(comparisons, labels, strict=True)]
@@ -43,6 +47,10 @@ def show_comparison(comparisons: Sequence[Comparison], labels: Sequence[str] = (
         show_torque_errors(torques, comparison.motion, comparison.model if len(comparisons) > 1 else "")
     for comparison in comparisons:
         _show_where(comparison, titled=len(comparisons) > 1)
+    for comparison in comparisons:
+        if sentence := decisive_sentence(comparison, start):
+            of = f" ({comparison.model})" if len(comparisons) > 1 else ""
+            say(f"\nNote{of}: {sentence}.")
 
 
 def _show_errors(comparison: Comparison) -> None:

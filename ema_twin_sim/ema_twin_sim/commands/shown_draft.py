@@ -61,7 +61,7 @@ def say_what_it_rests_on(place: Path, besides: Sequence[str]) -> None:
 
 def to_look_at(text: str) -> str:
     """How many lines of a draft to check; its first two lines, which explain the mark, do not count."""
-    from ..new_machine.check_comment import CHECK
+    from ..model.check_comment import CHECK
 
     count = sum(CHECK in line for line in text.splitlines()[2:])
     return f"{count} line(s) to check, marked {CHECK}" if count else "nothing had to be guessed"
@@ -88,13 +88,12 @@ def say_next(
         say(f"{path}: {to_look_at(text)}")
     if why := guesses.points_doubt:
         say(f"{why[:1].upper()}{why[1:]}: each row is read as an operating point, at rest or at constant speed.")
-    map_name, model = (quote(str(file)) for file in files)
     say("Then:")
-    say(f"  ema-twin info {traces[0]} --map {map_name}")
+    say(f"  ema-twin info {traces[0]} --map {quote(str(files[0]))}")
     if guesses.both_encoders and not guesses.drives:
         say("No current or torque was found: only backlash, delay and angle errors of the encoders can be found.")
     if guesses.drives or guesses.both_encoders:
-        say(f"  ema-twin discover {trace} --map {map_name} --model {model} -o found.yaml")
+        say_search(trace, *files)
         return
     mended = replace(guesses, signals=(*guesses.signals, *holed))
     if mended.drives or mended.both_encoders:
@@ -105,3 +104,15 @@ def say_next(
         )
     else:
         say(f"  No current or torque was found: add its column to {files[0]}; nothing can be analysed without it.")
+
+
+def say_search(traces: str, map_file: Path, model: Path) -> None:
+    """Print the commands that look for what a drafted model lacks and show what was found.
+
+    ``traces`` are quoted for a shell.
+    """
+    read, drafted, page = (quote(str(file)) for file in (map_file, model, model.with_suffix(".html")))
+    given = f"{traces} --map {read} --model {drafted}"
+    say(f"  ema-twin discover {given} -o found.yaml")
+    say(f"  ema-twin compare {given} --model found.yaml")
+    say(f"  ema-twin report {given} --model found.yaml -o {page}")

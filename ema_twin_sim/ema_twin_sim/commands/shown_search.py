@@ -16,8 +16,10 @@ from ..words.sentences import (
     effect_words,
     groups_sentence,
     has_moved,
+    larger_sentence,
     left_sentence,
     order_sentences,
+    output_sentence,
     refit_sentence,
     removed_words,
     verdict_of,
@@ -51,6 +53,8 @@ def show_search(found: Discovery, without: Sequence[str] = ()) -> None:
     if found.steps:
         console.print(_steps(found))
         say(STEPS_ARE)
+        if grew := larger_sentence(found.steps):
+            say(grew)
         if leaves := left_sentence(found.unseen):
             say(leaves)
         if _is_crowded(found):
@@ -64,6 +68,8 @@ def show_search(found: Discovery, without: Sequence[str] = ()) -> None:
     moved = _constants(found)
     if moved.row_count:
         console.print(moved)
+    if told := output_sentence(found.model, _shown_names(found)):
+        say(told)
     slightly = moved_slightly(found)
     if slightly:
         say(f"\n{'Also refitted' if moved.row_count else 'Refitted'}, within standard errors: {', '.join(slightly)}.")
@@ -142,6 +148,13 @@ def _parameters(found: Discovery) -> ReportTable:
             fitted = "" if held["std"] is not None else " (typical value, not fitted)"
             table.add_row(*first, parameter, f"{estimate(held['value'], held['std'], held['unit'])}{fitted}")
     return table
+
+
+def _shown_names(found: Discovery) -> list[str]:
+    """What the tables of parameters and of constants have rows of: effects, and parts of the machine."""
+    constants: Mapping[str, Mapping[str, Any]] = found.constants
+    moved = (part for part, entries in constants.items() if any(map(has_moved, entries.values())))
+    return [*found.parameters, *moved]
 
 
 def _constants(found: Discovery) -> ReportTable:

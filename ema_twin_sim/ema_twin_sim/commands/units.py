@@ -12,6 +12,7 @@ from rich.markup import escape
 from ..quantities import estimate, quantity
 from ..words.sentences import effect_words
 from ..words.units import (
+    LAST_ERROR,
     change_of,
     change_words,
     health_words,
@@ -148,13 +149,11 @@ def _json(one: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> dic
 def _show(
     units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], health: Mapping[str, UnitHealth | None]
 ) -> None:
-    table = ReportTable(
-        f"{len(units)} {'unit' if len(units) == 1 else 'units'}, the largest error relative to the sensors' noise first"
-    )
+    table = ReportTable(f"{len(units)} {'unit' if len(units) == 1 else 'units'}, the largest {LAST_ERROR} first")
     table.words("unit")
     table.numbers("judged", "refused", "failed")
     table.words("last recorded", "missing effects (results)")
-    table.numbers("error / noise")
+    table.numbers(LAST_ERROR)
     table.words("changed", widest=40)
     judged = any(health.values())
     if judged:
@@ -172,7 +171,10 @@ def _show(
             *([escape(health_words(health[one.name]))] if judged else []),
         )
     console.print(table)
-    say("Error / noise: the largest error of a signal in the last recording, in times the sensors' noise.")
+    say(
+        f"{LAST_ERROR.capitalize()}: the largest error of a signal in the last recording that was judged, in times the "
+        "sensors' noise; --unit NAME shows all recordings."
+    )
 
 
 def _changed(looks: Sequence[Outlook]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -22,6 +22,8 @@ from ..model.own_units import shown
 from ..parallel import simulations
 from ..simulation.angle_origins import angle_origins, without_common_zero
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
+from .beyond_noise import beyond_noise
+from .decisive_stretch import DecisiveStretch, decisive_stretch
 from .running_comparison import UNITS, RunningComparison, SignalError
 from .unknown_start import unknown_start
 from .where import Dependence, Stretch, find_dependences
@@ -43,7 +45,8 @@ class RecordingComparison:
     """Comparison of one recording with the twin.
 
     ``signals`` has ``{rmse, relative, noise_floor, unit, driven}`` per signal in SI units, ``independent`` the
-    effective number of independent values in its residual.
+    effective number of independent values in its residual. ``stretches`` has the short part of the recording that
+    decides the error of a signal, for signals that have one.
     """
 
     name: str
@@ -52,6 +55,7 @@ class RecordingComparison:
     signals: Signals
     independent: Mapping[str, float]
     torque_error: TorqueError | None = None
+    stretches: Mapping[str, DecisiveStretch] = field(default_factory=dict)
 
     def as_json(self) -> dict[str, object]:
         """For ``compare --json``."""
@@ -117,17 +121,23 @@ def compare(
     slow = standstill(given, asked, together)
     stretches: dict[str, list[Stretch]] = {name: [] for name in UNITS}
 
-    def beside(recording: Recording, chosen: str) -> tuple[RunningComparison, dict[str, Stretch]]:
+    def beside(
+        recording: Recording, chosen: str
+    ) -> tuple[RunningComparison, dict[str, Stretch], dict[str, DecisiveStretch]]:
         return _beside(recording, model, chosen, step, noise, partial(within, recording.name))
 
     besides = simulations(beside, recordings, inputs)
-    for recording, chosen, (running, parts) in zip(recordings, inputs, besides, strict=True):
+    for recording, chosen, (running, parts, decisive) in zip(recordings, inputs, besides, strict=True):
         for name, part in parts.items():
             stretches[name].append(part)
         error = _torque_error(recording, model) if chosen == "current" else None
         result = shown_errors(model, _of_the_drive(model, running.result(), recordings))
         rows = running.independent
-        compared.append(RecordingComparison(recording.name, len(recording), recording.duration, result, rows, error))
+        if "current" not in result and "current" in decisive:  # the errors are those of the drive's torque
+            decisive["motor_torque"] = decisive.pop("current")
+        compared.append(
+            RecordingComparison(recording.name, len(recording), recording.duration, result, rows, error, decisive)
+        )
         pooled.include(running)
         if "output_position" in parts:
             starts += unknown_start(recording.name, model, parts["output_position"], noise["output_position"], slow)
@@ -225,15 +235,27 @@ def _beside(
     step: float | None,
     noise: Mapping[str, float],
     progress: Callable[[float], None],
-) -> tuple[RunningComparison, dict[str, Stretch]]:
-    """Errors of a twin for one recording, and the residuals that are traced to a place; the twin itself is not kept."""
+) -> tuple[RunningComparison, dict[str, Stretch], dict[str, DecisiveStretch]]:
+    """Errors of a twin for one recording, the residuals that are traced to a place, and the stretches that decide them.
+
+    The twin itself is not kept.
+    """
     twin = simulate(model, recording, source, step=step, wanted=UNITS, progress=progress)
     running = RunningComparison(model, source, period=recording.sample_period, noise=noise)
     residuals = running.add_rows(recording.signals, twin.signals)
     ratio = model.value("machine.gear_ratio")
     traced = [name for name in explained_signals(source) if name in residuals]
     own = {name: np.ascontiguousarray(residuals[name]) for name in traced}  # a view would keep all rows
-    return running, {name: stretch_of(recording, twin, values, ratio) for name, values in own.items()}
+    stretches = {name: stretch_of(recording, twin, values, ratio) for name, values in own.items()}
+    over = () if recording.of_points else beyond_noise(source, running.result())
+    return running, stretches, _decisive({name: residuals[name] for name in over}, recording)
+
+
+def _decisive(residuals: Mapping[str, np.ndarray], recording: Recording) -> dict[str, DecisiveStretch]:
+    """The stretches that decide the errors of these signals, for those that have one."""
+    time = recording.time if residuals else np.empty(0)
+    found = {name: decisive_stretch(residual, time) for name, residual in residuals.items()}
+    return {name: stretch for name, stretch in found.items() if stretch is not None}
 
 
 def _torque_error(recording: Recording, model: Model) -> TorqueError | None:

@@ -31,6 +31,7 @@ from ..model import Model
 from ..model.own_units import in_si, native_as_given
 from ..model.roles import BRISTLE
 from ..simulation.angle_origins import without_common_zero
+from .assumed_torque import of_assumed_torque
 from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants
 from .criteria.contradictions import contradictions
 from .criteria.explained import apart, explained
@@ -143,8 +144,8 @@ def discover(
     progress("reading the motion")
     noise = noise_of(recordings, model)
     given, given_recordings = model, recordings
-    as_measured, began = to_rotary_equivalent(recordings, model)
-    as_measured = operating_point_folds(as_measured)
+    rotary, began = to_rotary_equivalent(recordings, model)
+    rotary = operating_point_folds(rotary)
     recordings, model = to_own_units(recordings, model)
     recordings, awake = operating_point_folds(recordings), model
     model = with_output_held(at_rest(model, recordings), recordings)
@@ -170,7 +171,7 @@ def discover(
     found = with_unmoved_constants(loop, found) if known else found
     progress("judging on held-out recordings")
     began = began if model.is_open else in_si(model)
-    unseen = judge_unseen(as_measured, began, noise, found)
+    unseen = judge_unseen(rotary, began, noise, found)
     idle = _idle(found, unseen) if known else ()
     while idle:
         before = {*found.fit.hypothesis.added}
@@ -180,13 +181,13 @@ def discover(
         # with open constants, the rest may explain the recordings as well as anything does
         known = (model.is_open or back) and explained(found.problem, found.fit, start)
         depends_on = () if known else shown_over
-        unseen = judge_unseen(as_measured, began, noise, found)
+        unseen = judge_unseen(rotary, began, noise, found)
         idle = _idle(found, unseen) if known and back else ()
     stands = unseen.betters
     if not known and found.fit.hypothesis.added and not stands and not model.is_open:
         progress("judging with the constants of the model file")
         held = beside_constants_as_filed(found)
-        beside = judge_unseen(as_measured, began, noise, held)
+        beside = judge_unseen(rotary, began, noise, held)
         stands = beside.betters or (not beside.worsens and _told_by_rows(found.fit))
         if stands and beside.rmse[-1] < unseen.rmse[-1]:
             found, unseen = freed(held, found), beside
@@ -196,7 +197,7 @@ def discover(
         # constants that were unknown are better fitted than left at their guesses
         bare = settle(fit(found.problem, null)) if model.is_open else fit(found.problem, null, 0)
         found = found.ended(bare, "it does not improve the model given what remains unexplained")
-        unseen = judge_unseen(as_measured, began, noise, found, as_given=not model.is_open)
+        unseen = judge_unseen(rotary, began, noise, found, as_given=not model.is_open)
     elif known:  # only after all is judged: these numbers are fitted to all recordings together
         found = with_followed_numbers(loop, found)
     as_given = as_given and not model.is_open
@@ -228,6 +229,7 @@ def discover(
         (
             *(warning for recording in recordings for warning in recording.warnings),
             *unusual_currents(given_recordings, given),
+            *of_assumed_torque(given_recordings, given),
             *contradictions(problem, best),
             *far_off(best),
             *(of_sums(problem, best, left) if refitted else ()),
@@ -244,7 +246,7 @@ def discover(
         found,
         problem,
         rivals,
-        tuple(as_measured),
+        tuple(rotary),
         noise,
         *_left(given_recordings, end, noise),
         "" if known else left_over_words(problem, found, depends_on),

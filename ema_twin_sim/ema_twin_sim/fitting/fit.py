@@ -117,7 +117,7 @@ def fit_model(
     called with a description of each stage. Raises InputError if the recordings cannot be fitted to.
     """
     noise = noise_of(recordings, model)
-    given, as_measured = model, operating_point_folds(to_rotary_equivalent(recordings, model)[0])
+    given, rotary = model, operating_point_folds(to_rotary_equivalent(recordings, model)[0])
     recordings, model = to_own_units(recordings, model)
     recordings, awake = operating_point_folds(recordings), model
     model = at_rest(model, recordings)
@@ -138,7 +138,7 @@ def fit_model(
     freedom = choose_numbers(model, free, fix)
     misfit, solution, loosened = _solution(recordings, sources, method, freedom, progress)
     progress("judging on held-out data")
-    before, after, judged_on = judge(as_measured, sources, misfit, solution, noise)
+    before, after, judged_on = judge(rotary, sources, misfit, solution, noise)
     sure = uncertainty(misfit, solution)
     untold = not_given(solution, method)
     values = solution.values[: len(freedom.numbers)].copy()
@@ -169,7 +169,7 @@ def fit_model(
         tuple(notes),
         {
             recording.name: error
-            for recording, chosen in zip(as_measured, sources, strict=True)
+            for recording, chosen in zip(rotary, sources, strict=True)
             if chosen == "current" and (error := torque_error(recording, in_si(fitted))) is not None
         },
     )

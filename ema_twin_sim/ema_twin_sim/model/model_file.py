@@ -27,6 +27,7 @@ from ema_bench_replay.outputs import new_file
 from ema_bench_replay.units import MOTIONS, unit_in
 
 from ..effects import find_effect
+from .check_comment import REMEDIES, check_comment, is_assumed
 from .constants import CHOICES, CONSTANTS, KINDS, PARTS, Constant
 from .model import LUMPED, ConstantValue, EffectInstance, Model, check_range, checked_instance
 
@@ -102,7 +103,17 @@ def _text(model: Model) -> str:
         }
         for name, instance in model.effects.items()
     }
-    return yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=160)
+    return _with_marks(model, yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=160))
+
+
+def _with_marks(model: Model, text: str) -> str:
+    """The YAML of a model with the mark of a draft at the end of constants that are still only assumed."""
+    for path, remedy in REMEDIES.items():
+        held = model.constants.get(path)
+        if held is not None and is_assumed(held.source):
+            entry = rf"^  {path.partition('.')[2]}: {{[^}}]*}}$"
+            text = re.sub(entry, rf"\g<0>{check_comment(remedy)}", text, count=1, flags=re.MULTILINE)
+    return text
 
 
 def _units_of_effects(model: Model) -> str:

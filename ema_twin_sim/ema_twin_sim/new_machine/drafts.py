@@ -27,8 +27,8 @@ from .unit_questions import questions_about_units
 
 
 class Drafts(NamedTuple):
-    """Texts of a map and a model; questions about the recording's units; what was assumed from usual sizes; and the
-    columns of guesses that the map leaves out.
+    """Texts of a map and a model; questions about the recording's units; what was assumed from usual sizes; the columns
+    of guesses that the map leaves out; and what is wrong with the recordings, as they are read with this map.
     """
 
     map: str
@@ -36,6 +36,7 @@ class Drafts(NamedTuple):
     questions: tuple[str, ...] = ()
     assumed: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
 
 def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Drafts:
@@ -84,7 +85,8 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         )
     model = checked_model(recordings, given, shaft)
     asked = (*questions, *model.questions)
-    return Drafts(draft_map(guesses, of, shaft), model.text, asked, (*assumed, *model.assumed), left_out)
+    warnings = tuple(warning for recording in recordings for warning in recording.warnings)
+    return Drafts(draft_map(guesses, of, shaft), model.text, asked, (*assumed, *model.assumed), left_out, warnings)
 
 
 def _turned_round(guess: Guess) -> Guess:

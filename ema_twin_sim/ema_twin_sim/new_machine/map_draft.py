@@ -6,7 +6,7 @@ import json
 
 from ema_bench_replay.units import signal_unit
 
-from .check_comment import CHECK, check_comment
+from ..model.check_comment import CHECK, check_comment
 from .columns import Guess, Guesses
 from .header_words import COUNTS
 from .shaft import Shaft

@@ -13,11 +13,12 @@ import yaml
 from ema_bench_replay.recording import AT, Recording
 from ema_bench_replay.units import signal_unit, unit_in
 
+from ..model.check_comment import ASSUMED, CHECK, REMEDIES, check_comment
 from ..model.constants import CONSTANTS
+from ..model.model_file import TORQUE_CONSTANT
 from ..model.roles import DRY_FRICTION, VISCOUS_FRICTION
 from ..reading_noise import noise_at_points, polled_noise, reading_noise
 from ..simulation.behind_motor import of_encoders_alone
-from .check_comment import CHECK, check_comment
 from .drive_gains import drive_gains
 from .given import Given
 from .shaft import (
@@ -173,7 +174,7 @@ def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | 
             shown = nearest
         return _Ratio(abs(shown), "slope of both positions", doubt)
     if recording.motion == "rotary":
-        return _Ratio(1.0, "assumed", "turns of the motor per turn of the output")
+        return _Ratio(1.0, ASSUMED, REMEDIES["machine.gear_ratio"])
     return None
 
 
@@ -199,11 +200,12 @@ def _torque_lines(recording: Recording, given: float | None, at_joint: str) -> l
     """The torque constant's line if there is a current; ``at_joint`` says why it must be the joint's, or is empty."""
     if not recording.has("current"):
         return []
-    source, doubt = ("given", "") if given else ("assumed", "take it from the motor's data sheet")
+    unit = unit_in("N m/A", recording.motion)
+    source, doubt = ("given", "") if given else (ASSUMED, REMEDIES[TORQUE_CONSTANT])
     shaft = ""
     if at_joint:
         shaft, doubt = ", shaft: output", f"{at_joint}: assumed to be the joint's, gear included"
-    unit = unit_in("N m/A", recording.motion)
+        source = f"given as {given:g} {unit}; {ASSUMED} to be the joint's"
     return [
         f"  torque_constant: {{value: {given or 1.0:g}, unit: {unit}{shaft}, source: {source}}}{check_comment(doubt)}"
     ]

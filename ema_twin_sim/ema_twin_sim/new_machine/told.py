@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from ema_bench_replay.units import signal_unit, units_of
 
 from ..model import Model
+from ..model.check_comment import ASSUMED
 from ..model.model_file import ABSENT
 from ..quantities import quantity
 from .columns import Guess, Guesses
@@ -23,7 +24,6 @@ _TOLD = {
     "sensors.current_noise": "noise of the current",
     "sensors.speed_noise": "noise of the speed",
 }
-ASSUMED = "assumed"
 _HOW = {
     "machine.gear_ratio": "give --gear-ratio",
     "machine.torque_constant": "torques are given in amperes; give --torque-constant from the data sheet",

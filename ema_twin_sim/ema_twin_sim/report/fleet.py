@@ -19,6 +19,7 @@ from ..campaign.units import Unit
 from ..quantities import estimate, quantity
 from ..words.sentences import effect_words
 from ..words.units import (
+    LAST_ERROR,
     change_of,
     change_words,
     health_words,
@@ -96,7 +97,7 @@ def _overview(
         "not judged",
         "last recorded",
         "missing effects (results)",
-        "error / noise",
+        LAST_ERROR,
         "changed",
         "health",
     )

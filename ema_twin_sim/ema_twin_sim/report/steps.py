@@ -17,6 +17,8 @@ from ..words.sentences import (
     REFIT_IS,
     change_words,
     effect_words,
+    larger_sentence,
+    output_sentence,
     removed_words,
     why_step,
 )
@@ -57,6 +59,8 @@ def steps(content: Content, charts: Charts) -> Markup:
             "runner-up, or reason",
         )
         parts.append(table(head, [*_refit(findings), *rows], words=(0, 6)))
+        if grew := larger_sentence(findings.steps):
+            parts.append(tag("p", grew, class_="aside"))
     if findings is not None and findings.unseen is not None and len(findings.unseen.rmse) > 1:
         parts.append(charts.add(falling(findings, findings.unseen)))
     return section("steps", "Step by step, and the numbers", *parts, *_parameters(content), *_constants(content))
@@ -137,6 +141,8 @@ def _parameters(content: Content) -> list[Markup]:
         told = _of_fitted_effects(
             came, content, "Parameters of the effects found, before and after the fit; ± is one standard error"
         )
+    if sentence := output_sentence(content.models[1], [effect.name for effect in came]):
+        told = [*told, tag("p", sentence, class_="aside")]
     return [*told, *_of_effects(gone_effects(content), f"Parameters of the effects that only {before} has")]
 
 

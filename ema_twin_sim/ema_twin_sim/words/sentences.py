@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .findings import Findings, UnseenErrors
     from .fit_findings import FitFindings
 
+LARGER = "larger error"
 NO_RUNNER_UP = "no close runner-up"
 YOURS = "Your model"
 REFIT = "constants refitted"
@@ -64,14 +65,25 @@ def dependence_words(depends_on: Iterable[str]) -> str:
 def removed_words(share: float | None, before: float = 0.0, after: float = 0.0) -> str:
     """The share of an error that was removed: ``99.9 %``; 100 % only if all of it was. A dash if there was no error.
 
-    ``larger error`` if the RMSE grew from ``before`` to ``after``.
+    ``LARGER`` if the RMSE grew from ``before`` to ``after``.
     """
     if share is None:
         return "–"
     if after > (1.0 + _NOTHING) * before:
-        return "larger error"
+        return LARGER
     told = told_share(share)
     return "over 99.9 %" if 1.0 - _NOTHING <= told < 1.0 else f"{100.0 * told:.1f} %"
+
+
+def larger_sentence(steps: Iterable[Step]) -> str:
+    """A sentence on why an effect was added although the simulated error grew in its step; empty if none was."""
+    if not any(s.action == "add" and s.rmse_after > (1.0 + _NOTHING) * s.rmse_before for s in steps):
+        return ""
+    return (
+        f"{LARGER.capitalize()}: a step takes the effect that best explains the torque (or the encoders' difference) "
+        "of the measured motion, not the one that most reduces this simulated error, which may fall only after a later "
+        "step."
+    )
 
 
 def left_sentence(unseen: Unseen | UnseenErrors) -> str:
@@ -247,6 +259,33 @@ def _what_repeats(shaft: str, cycles: float) -> str:
     if abs(cycles - round(cycles)) < _WHOLE:
         return "its teeth, magnets or windings"
     return "gears, belts or bearings"
+
+
+def output_sentence(model: Model, names: Iterable[str]) -> str:
+    """A sentence on the effects behind a gear whose torques are given at the motor's shaft; empty if there are none.
+
+    ``names`` are instances of a model, or others, which do not count.
+    """
+    there = [name for name in names if name in model.effects and _has_output_torque(model, name)]
+    if not there or model.is_direct:
+        return ""
+    what = "force" if model.motion == "linear" else "torque"
+    named = listed(map(effect_words, there))
+    return (
+        f"Values of effects that act on the output ({named}) are given at the motor; a {what} at the output is "
+        f"{model.value('machine.gear_ratio'):.4g} times as large."
+    )
+
+
+def _has_output_torque(model: Model, name: str) -> bool:
+    """Whether an instance acts on the output with a parameter that is a torque, or a torque over something."""
+    from ..effects import catalogue
+    from ..effects.effect import OUTPUT_TORQUE
+
+    instance = model.effects[name]
+    effect = catalogue()[instance.effect]
+    on_output = effect.where(instance.options) == OUTPUT_TORQUE or instance.options.get("side") == "output"
+    return on_output and any(parameter.unit.startswith("N m") for parameter in effect.parameters)
 
 
 def groups_sentence(groups: Sequence[Sequence[str]]) -> str:

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from ..campaign.unit_health import JudgedTest, UnitHealth
     from ..campaign.units import Unit
 
+LAST_ERROR = "last error / noise"
+"""Heading of the largest error of a unit's last result, in times the sensors' noise."""
 _SHOWN = 3
 """Number of a unit's effects that are named."""
 
