@@ -255,6 +255,38 @@ class TestHistories:
         values = 100.0 + 1e-5 * np.array([0.3, -0.4, 0.1, 0.2, -0.2, 0.4, -0.1, 0.0])
         assert not stands_still(values) and stands_still(np.where(np.arange(8) < 3, 100.0, values))
 
+    @staticmethod
+    def a_wave(phases, std):
+        """A unit with the phase of a wave: as told, and how sure."""
+        rows = [
+            a_row(
+                name=f"week {k}",
+                key=str(k),
+                parameters=[
+                    {"owner": "sun_runout", "name": "phase", "value": float(phase), "std": float(of), "unit": "rad"}
+                ],
+            )
+            for k, (phase, of) in enumerate(zip(phases, std, strict=True))
+        ]
+        return units_of(rows)[0]
+
+    def test_the_phase_of_no_wave_is_not_followed(self):
+        """A wave of no amplitude has any phase, one of hardly any a phase of half a radian's error."""
+        drawn = np.random.default_rng(11)
+        unit = self.a_wave(drawn.uniform(-3.1, 3.1, 20), drawn.choice([0.4, 2.0, 10.0], 20))
+        assert outlooks(unit, {}, healthy=Healthy(8)) == []
+        came = self.a_wave(drawn.uniform(-0.1, 0.1, 20), np.where(np.arange(20) < 10, 5.0, 0.03))
+        assert outlooks(came, {}, healthy=Healthy.of("week [0-7]$", 4)) == []
+
+    def test_a_phase_beside_half_a_turn_is_no_change_and_one_that_moves_is(self):
+        phases = np.pi + 0.05 * np.random.default_rng(12).normal(size=20)
+        phases = np.where(phases > np.pi, phases - 2.0 * np.pi, phases)
+        (look,) = outlooks(self.a_wave(phases, np.full(20, 0.05)), {}, healthy=Healthy(8))
+        assert np.ptp(phases) > 6.0 and look.change is None
+        phases[12:] += 0.8
+        (look,) = outlooks(self.a_wave(phases, np.full(20, 0.05)), {}, healthy=Healthy(8))
+        assert look.change.begin == 12 and look.change.size == pytest.approx(0.8, abs=0.2)
+
     def test_healthy_units_seldom_seem_to_change(self):
         drawn = np.random.default_rng(6)
         units = [self.a_unit(100.0 + drawn.normal(size=30), std=std) for std in (1.0, 10.0) for _ in range(40)]

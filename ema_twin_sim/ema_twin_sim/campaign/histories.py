@@ -16,6 +16,7 @@ from ..health.change_point import ChangePoint, change_point
 from ..health.drift import Drift, drift
 from ..health.false_alarms import FALSE_ALARM_OF_HISTORY
 from ..health.remaining_life import Margin, RemainingLife, margin, remaining_life
+from .angles import is_angle, is_known, within_half_a_turn
 from .healthy import BY_DEFAULT, Healthy
 from .results import DONE
 from .units import Unit
@@ -106,7 +107,11 @@ class Outlook:
 
 
 def histories(unit: Unit, healthy: Healthy = BY_DEFAULT) -> list[History]:
-    """The numbers of a unit that have a standard error in more than ``FEWEST_HEALTHY`` of its results."""
+    """The numbers of a unit that have a standard error in more than ``FEWEST_HEALTHY`` of its results.
+
+    An angle is followed where it is known, and only if the healthy results that were asked for know it: the phase of a
+    wave of no amplitude may be anything.
+    """
     found: dict[tuple[str, str, str], list[tuple[float | None, float, float, str]]] = {}
     for row in unit.rows:
         if row["status"] != DONE:
@@ -115,9 +120,12 @@ def histories(unit: Unit, healthy: Healthy = BY_DEFAULT) -> list[History]:
             value, std = held["value"], held["std"]
             if value is None or std is None or not (np.isfinite([value, std]).all() and std > 0.0):
                 continue
+            if is_angle(f"{held['owner']}.{held['name']}") and not is_known(std):
+                continue
             at = None if row["time"] is None else row["time"].timestamp()
             found.setdefault((held["owner"], held["name"], held["unit"]), []).append((at, value, std, row["name"]))
-    return [_history(*path, its, healthy) for path, its in found.items() if len(its) > FEWEST_HEALTHY]
+    every = [_history(*path, its, healthy) for path, its in found.items() if len(its) > FEWEST_HEALTHY]
+    return [history for history in every if history.as_asked or not is_angle(history.path)]
 
 
 def _history(
@@ -126,6 +134,8 @@ def _history(
     days = np.array([np.nan if at is None else at / _DAY for at, *_ in its])
     names = [one[3] for one in its]
     values, errors = (np.array([one[k] for one in its]) for k in (1, 2))
+    if is_angle(f"{owner}.{name}"):  # a jump by a whole turn is no change
+        values = values[0] + within_half_a_turn(values - values[0])
     dated = bool(np.isfinite(days).all() and (np.diff(days) > 0.0).all())
     flags = np.array(healthy.of_history(names, FEWEST_HEALTHY))
     repeats = np.zeros(0)

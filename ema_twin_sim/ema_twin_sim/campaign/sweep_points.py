@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..criteria import MOSTLY, SIGNIFICANT
-from ..effects import catalogue
+from .angles import is_angle, within_half_a_turn
 from .results import DONE
 from .sweep import VERB
 
@@ -93,8 +92,8 @@ def _number(path: str, its: Sequence[tuple[Mapping[str, Any], Mapping[str, Any] 
     estimates = [(bound["value"], found) for bound, found in its if found is not None and found["value"] is not None]
     stds = [found["std"] for _, found in estimates if found["std"] is not None]
     off = np.array([found["value"] - true for true, found in estimates])
-    if _turns(path):
-        off = np.remainder(off + np.pi, 2.0 * np.pi) - np.pi
+    if is_angle(path):
+        off = within_half_a_turn(off)
     return Swept(
         path,
         its[0][0]["unit"],
@@ -103,13 +102,6 @@ def _number(path: str, its: Sequence[tuple[Mapping[str, Any], Mapping[str, Any] 
         float(np.median(stds)) if stds else None,
         float(np.sqrt(np.mean(off**2))) if len(off) else None,
     )
-
-
-def _turns(path: str) -> bool:
-    """Whether a number is a periodic angle of an effect; the owner's name may end in a number."""
-    owner, _, name = path.rpartition(".")
-    effect = catalogue().get(re.sub(r"_\d+$", "", owner))
-    return effect is not None and any(p.name == name and p.periodic for p in effect.parameters)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,28 @@
+"""Angles among a unit's numbers: the phase of a wave, the direction of an arm."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+
+from ..criteria import SIGNIFICANT
+from ..effects import catalogue
+
+
+def is_angle(path: str) -> bool:
+    """Whether a number (``sun_runout.phase``) is an effect's periodic angle; the owner's name may end in a number."""
+    owner, _, name = path.rpartition(".")
+    effect = catalogue().get(re.sub(r"_\d+$", "", owner))
+    return effect is not None and any(p.name == name and p.periodic for p in effect.parameters)
+
+
+def within_half_a_turn(angles: np.ndarray) -> np.ndarray:
+    """Angles [rad] brought to -π to π by whole turns."""
+    return np.remainder(angles + math.pi, 2.0 * math.pi) - math.pi
+
+
+def is_known(standard_error: float) -> bool:
+    """Whether an angle with this standard error [rad] is known: its wave's amplitude is significant."""
+    return standard_error * SIGNIFICANT < 1.0
