@@ -69,6 +69,7 @@ def simulate_units(folder: Path, count: int, seed: int) -> None:
     """Write the recordings: UNIT/TEST/RUN.mcap below ``runs``, those of each last test below ``last`` too."""
     stock = load_model("polito_bench")
     for number in range(count):
+        print(f"simulating unit {number + 1} of {count}", file=sys.stderr, flush=True)
         random = np.random.default_rng((seed, 88, number))
         kind = [*WEARS][number % len(WEARS)]
         own = _unlike(stock, random, 0.05)
@@ -113,6 +114,8 @@ def table(units: list[SimulatedUnit]) -> str:
             if unit.changed is None
             else f"{unit.changed} changed from {100 * unit.lost_when_changed:.0f} % lost"
         )
+        if unit.false_changes:
+            change += f", {unit.false_changes} while healthy"
         lines.append(
             f"{unit.name:26s} {off:20s} {change}; named {families or 'nothing'}; lacks {', '.join(unit.missing) or '-'}"
         )
@@ -198,6 +201,7 @@ def _worn(model: Model, kind: str, share: float) -> Model:
 
 
 def _run(*arguments: object) -> None:
+    print("ema-twin", *arguments[:4], "…", file=sys.stderr, flush=True)
     start = "import sys; sys.argv[0] = 'ema-twin'; from ema_twin_sim.entry import main; main()"
     done = subprocess.run(
         [sys.executable, "-c", start, *map(str, arguments)], capture_output=True, text=True, check=False
