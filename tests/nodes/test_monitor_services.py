@@ -24,6 +24,9 @@ GONE = 0.1
 """Share of the squared error above the noise that may stay. The numbers that a diagnosis finds differ a little with the
 window that it is asked in, and impacts amplify that; without the effects the share would be 1."""
 
+SOONER = 3.0
+"""Times real time that is played where samples are only waited for. A diagnosis is made beside a bench in real time."""
+
 STREAM = 50
 """Residuals that come while a diagnosis is made, at the least: 0.1 s of them, where one takes a second or more."""
 
@@ -46,13 +49,23 @@ class Bench:
 
     def compared(self, samples):
         """Wait until the present run has compared so many; its number."""
-        self.graph.spin_until(lambda: self.health and self.health[-1].compared > samples, PATIENCE)
+        self.sooner(lambda: self.health and self.health[-1].compared > samples)
         return self.health[-1].run
 
     def whole_run(self, number):
-        """The last health of that run, when it is over: RMSE over the whole recording, but for its last 0.1 s."""
-        self.graph.spin_until(lambda: self.health[-1].run > number, PATIENCE)
+        """The last health of that run, when it is over: RMSE over the whole recording, but for its last 0.3 s."""
+        self.sooner(lambda: self.health[-1].run > number)
         return next(health for health in reversed(self.health) if health.run == number)
+
+    def sooner(self, condition):
+        """Wait for that, with samples that come sooner meanwhile."""
+        self.play(SOONER)
+        self.graph.spin_until(condition, PATIENCE)
+        self.play(1.0)
+
+    def play(self, rate):
+        asked = [Parameter("rate", value=rate).to_parameter_msg()]
+        assert self.answer(self.ask(SetParameters, "/replay/set_parameters", parameters=asked)).results[0].successful
 
     def run_of_twin(self):
         """The run that the twin answers now; the monitor may still compare what it answered before."""
