@@ -94,16 +94,16 @@ class TestViewer:
     @pytest.mark.slow
     @pytest.mark.parametrize("listens", [False, True])
     def test_one_that_takes_nothing_is_not_waited_for(self, listens):
-        """Neither where the view is closed, nor where the process ends."""
+        """Neither where the view is closed, nor where the process ends; what patience there is, is cut for the test."""
         program = """
 import sys
-import numpy as np
 from ema_twin_sim.commands.live_view import LiveView
-from ema_twin_sim.simulation.sensor_noise import noise_floors
 from ema_twin_sim.model import load_model
 from ema_twin_sim.nodes.live_session import Pair
 from ema_twin_sim.simulation.sensor_noise import noise_floors
+from ema_twin_sim.views import stream
 from ema_twin_sim.views.rerun_view import RerunView
+stream._VIEWER_PATIENCE = 1.0
 floors = noise_floors(load_model("polito_bench"))
 view = LiveView(RerunView(sys.argv[1], "a run", floors))
 view.take([Pair(k, {"current": 1.0}, {"current": 1.0}, {"current": 0.0}) for k in range(100)])
