@@ -1,6 +1,7 @@
 """Recordings of two encoders and no torque: what parts them is named, on machines of any size."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -108,6 +109,18 @@ def recorded(tmp_path, time, driven, seen, gear_ratio=None):
     return load(trace, import_map=tmp_path / "machine_map.yaml"), load_model(tmp_path / "machine.yaml")
 
 
+@pytest.fixture(scope="module")
+def discovered(tmp_path_factory):
+    """Recording, draft and answer of a machine as ``drafted`` makes it; those who ask for the same one share them."""
+
+    @cache
+    def of(kind, quicker):
+        recording, model = drafted(tmp_path_factory.mktemp("machine"), kind, quicker)
+        return recording, model, discover([recording], model)
+
+    return of
+
+
 WHAT = {
     "play": ("backlash", "width", 2e-3, 0.1),
     "spring": ("shaft_compliance", None, None, None),
@@ -121,10 +134,9 @@ WHAT = {
 @pytest.mark.slow
 @pytest.mark.parametrize("quicker", [1.0, 12.0])
 @pytest.mark.parametrize("kind", WHAT)
-def test_what_parts_two_encoders_is_named(kind, quicker, tmp_path):
+def test_what_parts_two_encoders_is_named(kind, quicker, discovered):
     effect, parameter, size, within = WHAT[kind]
-    recording, model = drafted(tmp_path, kind, quicker)
-    found = discover([recording], model)
+    recording, model, found = discovered(kind, quicker)
     assert (found.verdict, found.added) == ("explained", (effect,))
     if parameter is not None:
         told = found.parameters[effect][parameter]
@@ -163,9 +175,8 @@ def test_a_carriage_has_play_too(tmp_path):
 
 
 @pytest.mark.slow
-def test_encoders_that_agree_lack_nothing(tmp_path):
-    recording, model = drafted(tmp_path, "nothing", 1.0)
-    found = discover([recording], model)
+def test_encoders_that_agree_lack_nothing(discovered):
+    _, _, found = discovered("nothing", 1.0)
     assert (found.verdict, found.added) == ("none", ())
     assert found.next_recording.startswith("the same motion with the drive's torque")
 
@@ -199,9 +210,8 @@ def test_an_output_that_never_moves_is_refused(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_fit_stays_by_the_spring_that_was_found(tmp_path):
-    recording, model = drafted(tmp_path, "spring", 1.0)
-    found = discover([recording], model)
+def test_a_fit_stays_by_the_spring_that_was_found(discovered):
+    recording, _, found = discovered("spring", 1.0)
     fitted = fit_model([recording], found.model)
     before, after = (i.parameters["shaft_compliance"]["stiffness"]["value"] for i in (found, fitted))
     assert after == pytest.approx(before, rel=0.05)
@@ -266,9 +276,8 @@ def test_play_between_stiff_teeth_keeps_its_place_against_a_spring(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_spring_that_is_dropped_gives_play_its_place_back(tmp_path):
-    recording, model = drafted(tmp_path, "play", 1.0)
-    end = discover([recording], model).search
+def test_a_spring_that_is_dropped_gives_play_its_place_back(discovered):
+    end = discovered("play", 1.0)[2].search
     (spring,) = other_structures(end.fit, "backlash", frozenset())
     replaced = swapped(end, spring)
     assert replaced.fit.hypothesis.effects == ("shaft_compliance",)
@@ -324,9 +333,8 @@ def test_a_motor_that_is_never_known_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["late", "nothing"])
-def test_without_play_or_a_spring_friction_stays_as_it_was_given(kind, tmp_path):
-    recording, model = drafted(tmp_path, kind, 12.0)
-    found = discover([recording], model)
+def test_without_play_or_a_spring_friction_stays_as_it_was_given(kind, discovered):
+    _, model, found = discovered(kind, 12.0)
     assert found.model.constants == model.constants
     assert {name: found.model.effects[name] for name in model.effects} == model.effects
 
@@ -347,9 +355,9 @@ def test_what_a_file_knows_stays_beside_play(tmp_path):
     assert {name: found.model.effects[name] for name in file.effects} == file.effects
 
 
-def test_how_stiff_teeth_are_is_not_told_as_fitted(tmp_path):
-    recording, model = drafted(tmp_path, "play", 1.0)
-    found = discover([recording], model).model
+def test_how_stiff_teeth_are_is_not_told_as_fitted(discovered):
+    _, model, answer = discovered("play", 1.0)
+    found = answer.model
     moved = [held.source for path, held in found.constants.items() if held.value != model.value(path)]
     assert moved and not any("fitted" in source for source in moved)
 
