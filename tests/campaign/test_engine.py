@@ -144,9 +144,16 @@ def test_a_campaign_that_was_killed_goes_on_where_it_was(tmp_path):
     assert not [*tmp_path.rglob("*.part")]
 
 
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A cluster of which nothing is killed: what was begun on others is ended on it."""
+    with own_cluster(tmp_path_factory.mktemp("whole"), workers=2) as own:
+        yield own
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("victim", ["worker", "scheduler", "client"])
-def test_whatever_is_killed_at_half_time_the_table_is_the_same(victim, tmp_path, capsys):
+def test_whatever_is_killed_at_half_time_the_table_is_the_same(victim, whole, tmp_path, capsys):
     """A cluster of others' making: of its processes one is killed, and the campaign is started again where it ended."""
     asked = (*_forty_recordings(tmp_path), "--scheduler")
     with own_cluster(tmp_path / "first", workers=2) as own:
@@ -165,8 +172,7 @@ def test_whatever_is_killed_at_half_time_the_table_is_the_same(victim, tmp_path,
         else:
             _until(lambda: not _at_work(own.address))  # what it had given out is done, or given up
     done = Store(tmp_path / "r").settled()
-    with own_cluster(tmp_path / "second", workers=2) as own:
-        told, errors = _command(*asked, own.address).communicate(timeout=300)
+    told, errors = _command(*asked, whole.address).communicate(timeout=300)
     again = re.search(r"(\d+) of 40 already have results", told)
     assert again and int(again[1]) == len(done) >= at, errors
     keys = _keys(tmp_path)
