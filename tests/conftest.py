@@ -25,6 +25,7 @@ SHARED = ROOT.parent / "shared"
 
 
 LONGEST_FIRST = (
+    "test_unkind_machines.py",
     "test_monitor_services.py",
     "test_gate.py",
     "test_two_encoders.py",
@@ -32,6 +33,7 @@ LONGEST_FIRST = (
     "test_strangers.py",
     "test_live_ending.py",
     "test_plan.py",
+    "test_views_in_rerun.py",
     "test_terminal.py",
     "test_node_processes.py",
     "test_user_effect.py",
@@ -45,6 +47,7 @@ LONGEST_FIRST = (
     "test_fit.py",
     "test_machines_of_others.py",
     "test_discover_command.py",
+    "test_web_viewer.py",
 )
 """Files that take long: begun last, one process would wait for the other. Those that play recordings in real time stand
 between others, so that two of them seldom share the machine."""

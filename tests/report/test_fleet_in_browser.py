@@ -29,6 +29,7 @@ def overview(tmp_path_factory):
     return write_fleet(tmp_path_factory.mktemp("fleet"), units, ahead, dict.fromkeys(ahead))
 
 
+@pytest.mark.slow
 def test_a_thousand_units_are_shown_filtered_and_led_to(overview, tmp_path):
     browser = Browser(tmp_path)
     try:

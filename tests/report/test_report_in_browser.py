@@ -108,6 +108,7 @@ def test_it_prints_on_light_ground(browser, report, tmp_path):
     assert browser.ask("window.printed") and (tmp_path / "report.pdf").read_bytes().count(b"/Type /Page\n") >= 4
 
 
+@pytest.mark.slow
 def test_three_models_are_in_every_chart_and_in_the_key(browser, tmp_path, content):  # noqa: F811
     (tmp_path / "three.html").write_text(page(content))
     browser.errors.clear()

@@ -14,7 +14,7 @@ from ema_twin_sim.views.rerun_view import RerunView
 from tests.report.test_report import findings, folder, models, recordings  # noqa: F401
 from tests.viewer import LAVAPIPE, REASON, SIZE, Viewer
 
-pytestmark = [pytest.mark.skipif(LAVAPIPE is None, reason=REASON), pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.skipif(LAVAPIPE is None, reason=REASON), pytest.mark.timeout(300), pytest.mark.slow]
 
 TABS = (
     ("compare", "run0"),

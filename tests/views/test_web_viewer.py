@@ -111,6 +111,7 @@ def near(picture, colour):
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is missing: sudo apt install chromium")
+@pytest.mark.slow
 @pytest.mark.timeout(300)
 @pytest.mark.parametrize("width", [1280, 400])
 def test_a_browser_shows_the_live_run(tmp_path, width):
