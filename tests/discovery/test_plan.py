@@ -1,10 +1,7 @@
 """The next recording: what is in doubt, the command that settles it, and that it does so on two different plants."""
 
 import json
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,6 +21,7 @@ from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.accuracy.commands import Drive
 from tests.accuracy.machine import drawn_machine
 from tests.accuracy.other_bench import Cause, OtherBench
+from tests.command_line import twin
 
 RATIO = 124.0
 LIMITS = Limits(speed=0.1, acceleration=2.0, lower=-0.1, upper=0.5, current=1.0)
@@ -320,15 +318,10 @@ def test_a_bad_command_file_is_named_with_its_place(tmp_path, text, named):
     assert named in str(refused.value) and "\n" not in str(refused.value)
 
 
-def _ema_twin(*arguments, cwd):
-    command = Path(sys.prefix) / "bin" / "ema-twin"
-    return subprocess.run([command, *map(str, arguments)], capture_output=True, text=True, cwd=cwd, check=False)
-
-
 @pytest.mark.slow
 def test_the_command_line_plans_writes_and_simulates(tmp_path, ramp):
     write_mcap(ramp, tmp_path / "ramp.mcap")
-    planned = _ema_twin(
+    planned = twin(
         "plan", "ramp.mcap", "--model", "polito_bench", "-o", "next.yaml", "--json", "plan.json", cwd=tmp_path
     )
     assert planned.returncode == 0, planned.stderr
@@ -338,10 +331,10 @@ def test_the_command_line_plans_writes_and_simulates(tmp_path, ramp):
         assert word in planned.stdout
     assert content["in_doubt"][0]["rivals"] == ["none", "constant_load"]
     assert content["limits"]["speed"]["value"] == pytest.approx(0.05, rel=0.05)
-    made = _ema_twin("simulate", "--model", "polito_bench", "--command", "next.yaml", "-o", "next.CSV", cwd=tmp_path)
+    made = twin("simulate", "--model", "polito_bench", "--command", "next.yaml", "-o", "next.CSV", cwd=tmp_path)
     assert made.returncode == 0, made.stderr
     assert f"{proposal['seconds']:.2f} s" in made.stdout
-    again = _ema_twin("plan", "ramp.mcap", "next.CSV", "--model", "polito_bench", "-o", "more.yaml", cwd=tmp_path)
+    again = twin("plan", "ramp.mcap", "next.CSV", "--model", "polito_bench", "-o", "more.yaml", cwd=tmp_path)
     assert again.returncode == 0, again.stderr
     assert "These recordings would not show" in again.stdout and "Stribeck" not in again.stdout
     assert (tmp_path / "more.yaml").exists()
@@ -352,7 +345,7 @@ def test_the_command_line_plans_writes_and_simulates(tmp_path, ramp):
         ("--without", "backlashh"): "backlash",
     }
     for options, word in refusals.items():
-        refused = _ema_twin("plan", "ramp.mcap", "--model", "polito_bench", *options, cwd=tmp_path)
+        refused = twin("plan", "ramp.mcap", "--model", "polito_bench", *options, cwd=tmp_path)
         lines = refused.stderr.splitlines()
         assert refused.returncode == 2 and len(lines) == 1 and lines[0].startswith("error: ") and word in lines[0]
 

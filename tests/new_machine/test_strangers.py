@@ -13,7 +13,7 @@ from ema_twin_sim.new_machine.usual_counts import usual_counts
 from tests.accuracy.strangers.cases import mistaken_cases, stranger_cases
 from tests.accuracy.strangers.judge import answered
 from tests.accuracy.strangers.words import BESIDE, QUANTITY, UNITS, named, spelt, with_unit
-from tests.command_line import done
+from tests.command_line import done, twin
 
 PLACES = ("[]", "()", "/", "tight", "in", ",", "_")
 
@@ -153,14 +153,14 @@ def test_of_two_positions_without_a_shaft_the_one_that_goes_farther_is_the_motor
 @pytest.mark.slow
 @pytest.mark.parametrize("number", range(4, 9))
 def test_what_a_strangers_servo_hides_is_named(number, tmp_path):
-    answer = answered(stranger_cases(1, 18)[number], folder=tmp_path)
+    answer = answered(stranger_cases(1, 18)[number], folder=tmp_path, call=twin)
     assert answer.right, answer.line()
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", range(7))
 def test_a_wrong_unit_or_sign_is_told(number, tmp_path):
-    answer = answered(mistaken_cases(1, 7)[number], folder=tmp_path)
+    answer = answered(mistaken_cases(1, 7)[number], folder=tmp_path, call=twin)
     assert answer.right, answer.line()
 
 

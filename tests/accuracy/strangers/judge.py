@@ -6,7 +6,7 @@ import json
 import subprocess
 import tempfile
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -24,6 +24,10 @@ NAMING: dict[str, tuple[str, ...]] = {
     "ms as s": ("ms",),
 }
 """One of these words must be in what a mistake is answered with."""
+
+
+Call = Callable[..., "subprocess.CompletedProcess[str]"]
+"""Runs ``ema-twin`` with these words."""
 
 
 @dataclass(frozen=True)
@@ -51,20 +55,26 @@ class Answer:
         )
 
 
-def answered(case: Stranger, without: Sequence[str] = (), folder: Path | None = None) -> Answer:
-    """Give a case to the commands; its files are kept where a folder is given."""
+def answered(
+    case: Stranger, without: Sequence[str] = (), folder: Path | None = None, call: Call | None = None
+) -> Answer:
+    """Give a case to the commands; its files are kept where a folder is given.
+
+    ``call`` runs a command; without it each is a process that is started for it.
+    """
     if folder is None:
         with tempfile.TemporaryDirectory() as place:
-            return answered(case, without, Path(place))
+            return answered(case, without, Path(place), call)
+    call = call or _started
     files = [str(file) for file in case.write(folder)]
     start = time.perf_counter()
     model, found = folder / "servo.yaml", folder / "answer_found.json"
-    begun = _call("init", files[0], "-o", str(folder / "servo"), "--force", *case.options)
+    begun = call("init", files[0], "-o", str(folder / "servo"), "--force", *case.options)
     said = begun.stderr + begun.stdout
     answer = None
     if begun.returncode == 0:
         left_out = [word for id in without for word in ("--without", id)]
-        done = _call(
+        done = call(
             *("discover", *files, "--map", str(folder / "servo_map.yaml"), "--model", str(model)),
             *("-o", str(folder / "found.yaml"), "--force", "--json", str(found), *left_out),
         )
@@ -105,5 +115,5 @@ def _off(case: Stranger, answer: dict) -> dict[str, float]:
     return {name: (value - truth[name] * told) / std for name, (value, std) in sums.items() if std > 0.0}
 
 
-def _call(*words: str) -> subprocess.CompletedProcess[str]:
+def _started(*words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([TWIN, *words], capture_output=True, text=True, check=False, timeout=LONGEST)
