@@ -102,6 +102,7 @@ def test_the_same_answer_at_every_run(stock):
     assert discover(runs, stock).as_json() == discover(runs, stock).as_json()
 
 
+@pytest.mark.slow
 def test_an_effect_that_may_not_be_named_leaves_an_unknown(stock):
     runs = record(stock.with_effect("cogging", {"torque": 0.03, "phase": 0.4}, {"order": "24"}))
     found = discover(runs, stock, without=("cogging",))

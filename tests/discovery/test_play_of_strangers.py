@@ -102,6 +102,7 @@ def test_the_lag_of_a_speed_is_found_below_a_sample(lag):
     assert speed_lag(wrong) is None
 
 
+@pytest.mark.slow
 def test_a_motor_counter_that_steps_has_lost_no_counts(tmp_path):
     """At a high rate most samples of a coarse counter repeat the one before, and a count stands out."""
     case = changed(PLAY, 8000.0, ratio=2.0, hidden={"backlash": {"width": 0.15}})

@@ -301,6 +301,7 @@ def test_the_next_recording_is_of_the_motion_that_was_not_driven(tmp_path):
         assert discover([recording], model).next_recording.startswith(asked[name])
 
 
+@pytest.mark.slow
 def test_play_is_found_beside_a_larger_angle_error(tmp_path):
     recording, model = drafted(tmp_path, "play beside a larger angle error", 1.0, RATIO)
     found = discover([recording], model)
