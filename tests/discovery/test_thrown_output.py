@@ -74,9 +74,10 @@ def test_until_its_teeth_meet_an_output_is_where_it_was_seen(thrown, stock):
     free = np.flatnonzero((np.abs(behind) < 0.5 * half) & (np.arange(len(behind)) > 300))
     problem = EquationErrorProblem([whole.window(int(free[0]), len(whole.motion))])
     predicted = problem.predict(null_hypothesis(stock).with_effect("backlash", {}, {"width": 0.01}))
-    meets = int(np.argmax(predicted.required[0][:, REQUIRED.index("transmitted")] != 0.0))
+    (required,) = predicted.required_by_recording
+    meets = int(np.argmax(required[:, REQUIRED.index("transmitted")] != 0.0))
     (o,) = problem.observations
-    shown = (o.motion[:meets, OUTPUT_ANGLE] - predicted.required[0][:meets, REQUIRED.index("output")]) / half
+    shown = (o.motion[:meets, OUTPUT_ANGLE] - required[:meets, REQUIRED.index("output")]) / half
     assert meets > 10
     assert np.ptp(shown) * stock.value("machine.gear_ratio") < 1e-3  # of half the gap, through which it flies
 
@@ -87,7 +88,7 @@ def _begun_at(first, whole, stock):
     h = null_hypothesis(stock).with_effect("backlash", {}, {"width": 0.01})
     predicted = problem.predict(h)
     start = problem.observations[0].motion[0]
-    behind = start[MOTOR_ANGLE] - predicted.required[0][0, 1] * stock.value("machine.gear_ratio")
+    behind = start[MOTOR_ANGLE] - predicted.required_by_recording[0][0, 1] * stock.value("machine.gear_ratio")
     return predicted.plant[0], behind
 
 

@@ -53,7 +53,7 @@ pytestmark = pytest.mark.slow
         (["mesh_friction", "gravity_load"], (78, 5001, 24)),
         # a gearbox that rings explains the torque, and only a part of how the encoders part
         (["shear_thinning", "torque_ripple"], (78, 5001, 41)),
-        # a compliance in the model accounts for the lag, which was still taken for the cause of constants off by one factor
+        # the compliance in the model accounts for the lag, which was still taken for what moves the constants
         (["torque_constant_error"], (79, 5001, 29)),
     ],
     ids=lambda value: "-".join(value) if isinstance(value, list) else "",
