@@ -53,6 +53,11 @@ class TestJobs:
         (one,) = told
         assert one.endswith("left out, as are 1 more")
 
+    def test_a_pattern_that_matches_nothing_is_refused(self, tmp_path):
+        put(tmp_path, "EMA7.csv", "EMA8.csv")
+        with pytest.raises(InputError, match=r"none of 2 recordings .* matches --unit; the first is EMA7.csv"):
+            find_jobs(Grouping.of(tmp_path, r"(?P<unit>XYZ\d)", "recording"), COMPARE)
+
     @pytest.mark.parametrize(
         ("pattern", "reason"),
         [("(", "no regular"), ("EMA", "its groups are wrong"), ("(?P<unit>.)(?P<day>.)", "its groups are wrong")],
@@ -111,6 +116,19 @@ class TestWork:
         broken = judged(jobs[0], COMPARE)[0]
         assert (broken["status"], "ZeroDivisionError" in broken["message"]) == (FAILED, True)
 
+    def test_a_unit_is_judged_by_those_of_its_recordings_that_can_be_read(self, folder):
+        told = []
+        jobs = find_jobs(Grouping.of(folder, None, "unit"), COMPARE)
+        (row,) = judged(jobs[-1], COMPARE, told.append)
+        assert (row["unit"], row["status"], len(row["content"])) == ("B", DONE, 1)
+        (left_out,) = [warning for warning in told if "torn.CSV" in warning]
+        assert left_out.endswith("left out of its unit") and left_out in row["warnings"]
+        (folder / "B" / "torn.CSV").replace(folder / "B" / "kept.CSV")
+        for file in folder.glob("B/Banco*"):
+            file.unlink()
+        (row,) = judged(find_jobs(Grouping.of(folder, None, "unit"), COMPARE)[-1], COMPARE)
+        assert row["status"] == REFUSED
+
     def test_a_recording_whose_end_is_cut_is_told_of_and_judged(self, folder):
         whole, torn = next((folder / "A").glob("*.CSV")), folder / "B" / "torn.CSV"
         torn.write_bytes(whole.read_bytes()[:100_000])
@@ -131,3 +149,11 @@ def test_of_many_damaged_recordings_a_few_are_named_and_the_others_counted(monke
     assert counts == {DONE: 8}
     assert told[:5] == [f"warning: A: {k}.csv: the last row is cut" for k in range(5)]
     assert len(told) == 6 and "3 more recordings" in told[5]
+
+
+def test_of_many_refused_recordings_a_few_are_named_and_the_others_counted(monkeypatch, tmp_path, capsys):
+    outcomes = [Outcome(Job(f"key {k}", "A", f"{k}.csv", ()), REFUSED, "is empty", 0.1) for k in range(8)]
+    monkeypatch.setattr("ema_twin_sim.campaign.campaign.campaign", lambda *_: iter(outcomes))
+    command._judge(None, [one.job for one in outcomes], COMPARE, Store.made(tmp_path / "results"))
+    told = [line for line in capsys.readouterr().err.splitlines() if line.startswith("warning: ")]
+    assert len(told) == 6 and told[5].startswith("warning: 3 more have no result; ema-twin units ")

@@ -213,3 +213,22 @@ def _at_work(address):
 
     with Client(address) as client:
         return sum(len(tasks) for tasks in client.processing().values())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("after", [1.5, 6.0])
+def test_ctrl_c_in_a_terminal_ends_a_campaign_without_tracebacks(tmp_path, after):
+    """A terminal interrupts all processes of a command: those that are starting, and those that work."""
+    for number in range(12):
+        shutil.copytree(RECORDINGS, tmp_path / "runs" / f"unit {number}")
+    arguments = ["campaign", tmp_path / "runs", "--model", "polito_bench", "-o", tmp_path / "results", "--workers", "2"]
+    start = "import sys; sys.argv[0] = 'ema-twin'; from ema_twin_sim.entry import main; main()"
+    with subprocess.Popen(
+        [sys.executable, "-c", start, *map(str, arguments)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+    ) as process:  # fmt: skip
+        time.sleep(after)
+        os.killpg(process.pid, signal.SIGINT)
+        printed = process.communicate(timeout=60.0)
+    assert process.returncode == 130
+    assert "Traceback" not in "".join(printed)

@@ -8,9 +8,11 @@ to the store; the campaign receives only the outcomes, and may end at any moment
 from __future__ import annotations
 
 import logging
+import signal
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import islice
+from multiprocessing import resource_tracker
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ema_bench_replay.errors import InputError
@@ -90,8 +92,8 @@ def cluster(scheduler: str | None, workers: int) -> Iterator[Client]:
             with client:
                 yield client
             return
-        with (
-            LocalCluster(
+        with _interrupts_for_this_process_alone():
+            local = LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
                 host=_LISTENING,
@@ -100,10 +102,23 @@ def cluster(scheduler: str | None, workers: int) -> Iterator[Client]:
                 scheduler_kwargs={"dashboard_address": f"{_LISTENING}:0"},  # a free port: others may be running
                 security=Security.temporary(),
                 protocol="tls",
-            ) as local,
-            Client(local) as client,
-        ):
+            )
+        with local, Client(local) as client:
             yield client
+
+
+@contextmanager
+def _interrupts_for_this_process_alone() -> Iterator[None]:
+    """Let threads and processes that start meanwhile, and all that these start, not be interrupted.
+
+    Ctrl-C reaches every process of a terminal. Workers end with their campaign, without tracebacks of their own.
+    """
+    resource_tracker.ensure_running()  # whoever starts it lets interrupts through again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)  # a Ctrl-C of this time arrives now
 
 
 def run(client: Client, jobs: Iterable[Job], work: Work, lost: Callable[[Job, str], Outcome]) -> Iterator[Outcome]:

@@ -150,7 +150,7 @@ def find_jobs(
 ) -> list[Job]:
     """The jobs of a folder; recordings without a unit, or with an invalid time, are left out and passed to ``tell``.
 
-    Raises InputError if there is no recording, or none with a valid time.
+    Raises InputError if there is no recording, none that matches, or none with a valid time.
     """
     of: dict[tuple[str, str], list[tuple[tuple[Path, ...], Place]]] = {}
     strays: list[Path] = []
@@ -169,6 +169,11 @@ def find_jobs(
         of.setdefault((place.unit, grouping.group(parts[0], place.unit)), []).append((parts, place))
     if not count:
         raise InputError(f"{grouping.folder}: holds no recording; give a folder with CSVs or .mcap files in it")
+    if len(strays) == count:
+        raise InputError(
+            f"none of {count} recordings in {grouping.folder} matches --unit; the first is {strays[0].name}; correct "
+            "the pattern, which is searched for in each recording's path"
+        )
     if strays:
         tell(f"{len(strays)} of {count} recordings do not match --unit and are left out; the first is {strays[0]}")
     if no_times:

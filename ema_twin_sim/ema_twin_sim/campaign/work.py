@@ -40,15 +40,16 @@ def judged(job: Job, task: Task, tell: Callable[[str], None] = lambda text: None
     """
     begun = time.perf_counter()
     row = blank(job, task)
+    left_out: list[str] = []
     try:
-        recordings = [run for parts in job.recordings for run in load_runs([*map(Path, parts)],
-                                                                           import_map=task.import_map)]  # fmt: skip
+        recordings = _read(job, task, left_out)
     except InputError as error:
         rows = [row | {"status": REFUSED, "message": str(error)}]
     except Exception as error:  # one recording must not stop the campaign
         rows = [row | _failed(error)]
     else:
-        for warning in dict.fromkeys(warning for recording in recordings for warning in recording.warnings):
+        of_these = (warning for recording in recordings for warning in recording.warnings)
+        for warning in dict.fromkeys([*left_out, *of_these]):
             tell(warning)
         if job.apart and len(recordings) > 1:
             rows = [_judged(row | {"name": _run_name(job, one)}, [one], job, task) for one in recordings]
@@ -56,7 +57,26 @@ def judged(job: Job, task: Task, tell: Callable[[str], None] = lambda text: None
             rows = [_judged(row, recordings, job, task)]
     seconds = (time.perf_counter() - begun) / len(rows)
     at = datetime.now(timezone.utc)
+    for row in rows if left_out else ():
+        row["warnings"] = [*left_out, *(row.get("warnings") or [])]
     return [row | {"seconds": seconds, "done_at": at} for row in rows]
+
+
+def _read(job: Job, task: Task, left_out: list[str]) -> list[Recording]:
+    """The recordings of a job; of several, those that cannot be read are added to ``left_out``.
+
+    Raises InputError if none can be read.
+    """
+    found, refused = [], []
+    for parts in job.recordings:
+        try:
+            found += load_runs([*map(Path, parts)], import_map=task.import_map)
+        except InputError as error:
+            refused.append(error)
+    if not found:
+        raise refused[0]
+    left_out += [f"{error}; left out of its unit" for error in refused]
+    return found
 
 
 def _judged(row: Row, recordings: Sequence[Recording], job: Job, task: Task) -> Row:

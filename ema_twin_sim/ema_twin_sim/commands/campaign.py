@@ -227,6 +227,8 @@ def _judge(client: Client, jobs: Sequence[Job], task: Task, store: Store) -> Cou
             for warning in outcome.warnings if damaged <= _SHOWN else ():
                 warn(f"{outcome.job.unit}: {warning}")
             done(outcome.job.name)
+    if hidden := sum(max(0, counts[what] - _SHOWN) for what in ("refused", "failed")):
+        warn(f"{hidden} more have no result; ema-twin units {quote(str(store.folder))} --unit UNIT tells why")
     if damaged > _SHOWN:
         warn(f"{damaged - _SHOWN} more recordings have such warnings; the results hold them (column warnings)")
     return counts
