@@ -17,6 +17,7 @@ from ema_twin_sim.campaign.histories import outlooks, read_limits, stands_still
 from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED, SCHEMA
 from ema_twin_sim.campaign.store import Store, writer_host
 from ema_twin_sim.campaign.units import units_of
+from ema_twin_sim.words.units import moving_words
 from tests.command_line import done
 
 
@@ -291,6 +292,13 @@ class TestHistories:
         drawn = np.random.default_rng(6)
         units = [self.a_unit(100.0 + drawn.normal(size=30), std=std) for std in (1.0, 10.0) for _ in range(40)]
         assert sum(outlooks(unit, {})[0].change is not None for unit in units) <= 4
+
+    def test_wear_that_had_begun_before_the_healthy_results_is_told_by_its_limit(self):
+        """No value left the healthy ones, which wear as the others do: the trend leads to the limit all the same."""
+        values = 1e-3 + 3e-4 * np.arange(8.0)
+        looks = outlooks(self.a_unit(values, std=1e-5, dated=False), {"backlash.width": 4e-3}, healthy=Healthy(4))
+        assert looks[0].change is None
+        assert moving_words(looks) == ["backlash width reaches its limit in 3 results"]
 
     def test_without_dates_the_results_are_counted(self):
         (look,) = outlooks(self.a_unit(np.arange(20.0), dated=False), {})

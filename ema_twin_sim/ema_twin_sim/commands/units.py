@@ -18,6 +18,7 @@ from ..words.units import (
     health_words,
     life_words,
     missing_words,
+    moving_words,
     named_words,
     number_words,
 )
@@ -178,12 +179,10 @@ def _show(
 
 
 def _changed(looks: Sequence[Outlook]) -> str:
-    """The number of a unit that changed most, and how many others changed."""
-    changed = [look for look in looks if look.change is not None]
-    if not changed:
-        return ""
-    others = f", {len(changed) - 1} more" if len(changed) > 1 else ""
-    return escape(f"{number_words(changed[0])} {change_of(changed[0])}{others}")
+    """The number of a unit that changed most, or that reaches its limit, and how many others do."""
+    moving = moving_words(looks)
+    others = f", {len(moving) - 1} more" if len(moving) > 1 else ""
+    return escape(f"{moving[0]}{others}") if moving else ""
 
 
 def _show_recordings(one: Unit) -> None:

@@ -25,6 +25,7 @@ from ..words.units import (
     health_words,
     life_words,
     missing_words,
+    moving_words,
     named_words,
     number_words,
 )
@@ -71,11 +72,11 @@ def _file(unit: Unit) -> str:
 def _overview(
     units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], health: Mapping[str, UnitHealth | None]
 ) -> str:
-    changed = sum(any(look.change for look in ahead[unit.name]) for unit in units)
+    changed = sum(bool(moving_words(ahead[unit.name])) for unit in units)
     lacking = sum(bool(unit.missing) for unit in units)
     refused = sum(unit.refused + unit.failed for unit in units)
     lead = (
-        f"{lacking} with effects missing in their model, {changed} with a changed parameter. "
+        f"{lacking} with effects missing in their model, {changed} with a parameter that changed or nears its limit. "
         f"{sum(unit.judged for unit in units)} results; {refused} inputs could not be judged."
     )
     rows = [
@@ -86,7 +87,7 @@ def _overview(
             f"{unit.last:%Y-%m-%d}" if unit.last else "",
             missing_words(unit),
             "" if unit.beyond_noise is None else f"{unit.beyond_noise:.1f} ×",
-            ", ".join(f"{number_words(look)} {change_of(look)}" for look in ahead[unit.name] if look.change),
+            ", ".join(moving_words(ahead[unit.name])),
             health_words(health[unit.name]),
         )
         for unit in units
@@ -168,11 +169,11 @@ def _tests(health: UnitHealth | None) -> Iterator[Markup]:
 
 
 def _unchanged(looks: Sequence[Outlook]) -> str:
-    return (
-        "No parameter has changed."
-        if looks
-        else "There are too few results with standard errors to follow a parameter."
-    )
+    if not looks:
+        return "There are too few results with standard errors to follow a parameter."
+    if any(look.trend is not None for look in looks):
+        return "No parameter has left its healthy values, but these have a trend of their own: see below."
+    return "No parameter has changed."
 
 
 def _changed(look: Outlook) -> str:

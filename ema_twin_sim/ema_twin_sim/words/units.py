@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..quantities import quantity
@@ -41,7 +42,20 @@ def life_words(look: Outlook) -> str:
         return "passed"
     unit = "days" if look.history.dated else "results"
     latest = f"{look.life.latest:.0f}" if math.isfinite(look.life.latest) else "∞"
-    return f"{look.life.earliest:.0f} to {latest} {unit}"
+    earliest = f"{look.life.earliest:.0f}"
+    return f"{earliest} {unit}" if earliest == latest else f"{earliest} to {latest} {unit}"
+
+
+def moving_words(looks: Sequence[Outlook]) -> list[str]:
+    """The numbers of a unit that changed, and then those that a trend alone leads to their limit."""
+    changed = [f"{number_words(look)} {change_of(look)}" for look in looks if look.change is not None]
+    ending = [look for look in looks if look.change is None and look.life is not None]
+    return changed + [f"{number_words(look)} {_end_words(look)}" for look in ending]
+
+
+def _end_words(look: Outlook) -> str:
+    passed = look.life is not None and look.life.latest == 0.0
+    return "has passed its limit" if passed else f"reaches its limit in {life_words(look)}"
 
 
 def named_words(test: JudgedTest) -> str:
