@@ -344,3 +344,11 @@ def test_what_a_drives_voltage_decided_is_said_with_the_number_and_the_remedy(tm
     printed = done("init", "j.csv", "-o", "k", "--map", "j_map.yaml", *arguments, cwd=tmp_path).stdout
     said = next(line for line in printed.splitlines() if line.startswith("Assumed: torque constant read as that of"))
     assert "20 N m/A would induce 1200 V" in said and "600 V" in said and "remove `shaft: output`" in said
+
+
+def test_a_siemens_trace_needs_no_map(tmp_path):
+    trace = next(RECORDINGS.glob("*.CSV"))
+    told = refused("init", trace, "-o", tmp_path / "machine.yaml")
+    assert told.endswith(
+        f"{trace}: is a Siemens drive's trace, which needs no map; leave init out: ema-twin info {trace}"
+    )

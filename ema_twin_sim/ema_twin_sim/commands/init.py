@@ -196,11 +196,26 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
             said += f"; to use it, remove the rows without a value (the first is data row {first})"
         say(said)
     if not guesses.signals:
+        if _is_of_a_siemens_drive(trace):
+            raise InputError(
+                f"{trace}: is a Siemens drive's trace, which needs no map; leave init out: "
+                f"ema-twin info {quote(str(trace))}"
+            )
         raise InputError(
             f"{trace}: header: no column recognised among {', '.join(table.header)[:150]}; rename them, as in "
-            "'time [s]', 'current [A]', 'motor position [rad]' (a Siemens drive's trace needs no map: leave init out)"
+            "'time [s]', 'current [A]', 'motor position [rad]'"
         )
     return guesses, holed
+
+
+def _is_of_a_siemens_drive(trace: Path) -> bool:
+    from ema_bench_replay.load import load
+
+    try:
+        load(trace)
+    except InputError:
+        return False
+    return True
 
 
 def _write(path: Path, text: str, force: bool) -> None:

@@ -186,7 +186,7 @@ def _changed(looks: Sequence[Outlook]) -> str:
 
 
 def _show_recordings(one: Unit) -> None:
-    table = ReportTable(f"{one.name}: {len(one.rows)} results")
+    table = ReportTable(f"{one.name}: {len(one.rows)} {'result' if len(one.rows) == 1 else 'results'}")
     table.words("recording", "recorded", "task", "verdict", "missing")
     table.numbers("error / noise")
     table.words("reason")
