@@ -286,12 +286,21 @@ class TestHistories:
         assert np.ptp(phases) > 6.0 and look.change is None
         phases[12:] += 0.8
         (look,) = outlooks(self.a_wave(phases, np.full(20, 0.05)), {}, healthy=Healthy(8))
+        assert look.share is None  # the zero of an angle says nothing
         assert look.change.begin == 12 and look.change.size == pytest.approx(0.8, abs=0.2)
 
     def test_healthy_units_seldom_seem_to_change(self):
         drawn = np.random.default_rng(6)
         units = [self.a_unit(100.0 + drawn.normal(size=30), std=std) for std in (1.0, 10.0) for _ in range(40)]
         assert sum(outlooks(unit, {})[0].change is not None for unit in units) <= 4
+
+    def test_a_phase_whose_first_value_is_half_a_turn_off_moves_all_the_same(self):
+        phases = np.pi - 1e-3 + 0.05 * np.random.default_rng(13).normal(size=20)
+        phases[0] = 0.02
+        phases[12:] += 0.8
+        told = np.where(phases > np.pi, phases - 2.0 * np.pi, phases)
+        (look,) = outlooks(self.a_wave(told, np.full(20, 0.05)), {}, healthy=Healthy(12))
+        assert look.now - look.history.values[5] == pytest.approx(0.8, abs=0.15)
 
     def test_wear_that_had_begun_before_the_healthy_results_is_told_by_its_limit(self):
         """No value left the healthy ones, which wear as the others do: the trend leads to the limit all the same."""

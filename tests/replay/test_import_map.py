@@ -63,6 +63,21 @@ def test_siemens_units():
     assert factors["current"] == factors["current_setpoint"] == factors["voltage"] == 1.0
 
 
+@pytest.mark.parametrize(
+    ("header", "near"), [("t [s],Position,R5,Voltge", "Voltge"), ("t [s],Position,R5,power", None)]
+)
+def test_a_misspelt_column_is_told(own, tmp_path, header, near):
+    path = tmp_path / "drive.csv"
+    path.write_text(f"{header}\n0.000,90,0,1.5\n0.001,91,5,-1.5\n0.002,93,4,2\n")
+    recording = load(path, import_map=own(MAP))
+    assert not recording.has("motor_torque")
+    told = [warning for warning in recording.warnings if "which is not there" in warning]
+    assert len(told) == (near is not None)
+    for warning in told:
+        assert "the map 'own' reads the motor torque from 'voltage'" in warning
+        assert warning.endswith("correct the map if 'Voltge' is meant")
+
+
 def test_another_drive_needs_no_code(own, tmp_path):
     path = tmp_path / "drive.csv"
     path.write_text("t [s],Position,R5,voltage\n0.000,90,65530,1.5\n0.001,91,65535,-1.5\n0.002,93,4,2\n")

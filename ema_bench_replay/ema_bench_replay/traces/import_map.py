@@ -38,6 +38,11 @@ class Column:
         plain = re.sub(r"\\(.)", r"\1", self.name)
         return plain if self.find([plain]) else self.name
 
+    @property
+    def is_parameter(self) -> bool:
+        """Whether it is the number of a drive's parameter, not a column name."""
+        return _PARAMETER.fullmatch(self.name) is not None
+
     def find(self, header: list[str]) -> list[int]:
         """Indices of the columns in `header` that it matches, best first; empty if none."""
         if wanted := _PARAMETER.fullmatch(self.name):

@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Callable
 from dataclasses import asdict
+from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
@@ -37,6 +38,8 @@ __all__ = ["read_trace", "write_trace"]
 _UNEQUAL = 0.01
 # Share of rows that may repeat the time of the row before: a clock too coarse for its sampling. More means it is stuck.
 _REPEATED = 0.1
+# Similarity of two names (difflib's ratio) from which one may be a misspelling of the other.
+_NEARLY_THE_SAME = 0.85
 
 
 def read_trace(
@@ -171,7 +174,20 @@ class _Trace:
                 names = ", ".join(self.table.header[other] for other in places)
                 self._warn(f"{column.name} is in {len(places)} columns ({names}); {self.table.header[place]} is used")
             return self._following(column, place, signal.signal)
+        self._report_alike(signal)
         return None
+
+    def _report_alike(self, signal: SignalMap) -> None:
+        """Warn if a column that no signal reads has nearly the name of this signal's, which is not there."""
+        header, read = self.table.header, self.map.places(self.table.header)
+        spare = [name for place, name in enumerate(header) if name and place not in read]
+        for column in (one for one in signal.columns if not one.is_parameter):
+            for near in get_close_matches(column.plain, spare, n=1, cutoff=_NEARLY_THE_SAME):
+                signal_words = signal.signal.replace("_", " ")
+                self._warn(
+                    f"the map {self.map.name!r} reads the {signal_words} from {column.plain!r}, which is not there; "
+                    f"correct the map if {near!r} is meant"
+                )
 
     def _following(self, column: Column, place: int, signal: str) -> int:
         """The column at `place`, or the one that it should follow if it does not follow it."""

@@ -16,7 +16,7 @@ from ..health.change_point import ChangePoint, change_point
 from ..health.drift import Drift, drift
 from ..health.false_alarms import FALSE_ALARM_OF_HISTORY
 from ..health.remaining_life import Margin, RemainingLife, margin, remaining_life
-from .angles import is_angle, is_known, within_half_a_turn
+from .angles import is_angle, is_known
 from .healthy import BY_DEFAULT, Healthy
 from .results import DONE
 from .units import Unit
@@ -77,8 +77,10 @@ class Outlook:
 
     @property
     def share(self) -> float | None:
-        """The present change of the number, as a share of its healthy value."""
-        return None if self.change is None or self.healthy == 0.0 else (self.now - self.healthy) / abs(self.healthy)
+        """The present change of the number, as a share of its healthy value; None for an angle."""
+        if self.change is None or self.healthy == 0.0 or is_angle(self.history.path):
+            return None
+        return (self.now - self.healthy) / abs(self.healthy)
 
     def as_json(self) -> dict[str, object]:
         """SI units; times in days, or in results if not all are dated; absent numbers are null."""
@@ -109,8 +111,8 @@ class Outlook:
 def histories(unit: Unit, healthy: Healthy = BY_DEFAULT) -> list[History]:
     """The numbers of a unit that have a standard error in more than ``FEWEST_HEALTHY`` of its results.
 
-    An angle is followed where it is known, and only if the healthy results that were asked for know it: the phase of a
-    wave of no amplitude may be anything.
+    An angle is followed where it is known: the phase of a wave of no amplitude may be anything. If the healthy results
+    are given by a pattern and do not know it, it is left out.
     """
     found: dict[tuple[str, str, str], list[tuple[float | None, float, float, str]]] = {}
     for row in unit.rows:
@@ -135,7 +137,7 @@ def _history(
     names = [one[3] for one in its]
     values, errors = (np.array([one[k] for one in its]) for k in (1, 2))
     if is_angle(f"{owner}.{name}"):  # a jump by a whole turn is no change
-        values = values[0] + within_half_a_turn(values - values[0])
+        values = np.unwrap(values)
     dated = bool(np.isfinite(days).all() and (np.diff(days) > 0.0).all())
     flags = np.array(healthy.of_history(names, FEWEST_HEALTHY))
     repeats = np.zeros(0)

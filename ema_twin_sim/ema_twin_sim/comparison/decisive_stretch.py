@@ -32,8 +32,10 @@ def decisive_stretch(residual: np.ndarray, time: np.ndarray) -> DecisiveStretch 
         return None
     edges = np.linspace(0, len(time), _PARTS + 1).astype(int)
     sums = np.concatenate([[0.0], np.cumsum(_squares(residual, edges))])
+    if not 0.0 < sums[-1] < np.inf:
+        return None
     first, last = _shortest(sums, MOSTLY * sums[-1])
-    if sums[-1] == 0.0 or last - first > SMALL * _PARTS:
+    if last - first > SMALL * _PARTS:
         return None
     begin, end = (float(time[min(edges[k], len(time) - 1)]) for k in (first, last))
     return DecisiveStretch(begin, end, (last - first) / _PARTS, float((sums[last] - sums[first]) / sums[-1]))
@@ -44,7 +46,8 @@ def _squares(residual: np.ndarray, edges: np.ndarray) -> np.ndarray:
     total = np.zeros(len(edges) - 1)
     for rows in pieces(len(residual)):
         part = np.searchsorted(edges, np.arange(rows.start, rows.stop), side="right") - 1
-        total += np.bincount(part, np.nan_to_num(residual[rows]) ** 2, len(total))
+        with np.errstate(over="ignore"):  # of a twin that diverged
+            total += np.bincount(part, np.nan_to_num(residual[rows]) ** 2, len(total))
     return total
 
 

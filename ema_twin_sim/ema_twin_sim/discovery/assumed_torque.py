@@ -17,6 +17,8 @@ def of_assumed_torque(recordings: Sequence[Recording], model: Model) -> tuple[st
     held = model.constants.get(TORQUE_CONSTANT)
     if held is None or not is_assumed(held.source) or not any(recording.has("current") for recording in recordings):
         return ()
+    if any(recording.has("load_torque") for recording in recordings):  # the recordings tell the constant
+        return ()
     return (
         f"the torque constant of your model, {quantity(held.value, model.unit(TORQUE_CONSTANT))}, is only assumed: all "
         "torques, inertias and dampings that were found are wrong by the same factor as it is; take it from the "

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -32,7 +31,7 @@ class AlikeRows:
     """Torque rows (s, k) of instances of one effect, the same beside every prediction with a friction level as high."""
 
     rows: np.ndarray
-    needed_level: float  # N m, dry friction level; infinite if the rows are never the same
+    needed_level: float  # N m, of dry friction
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -110,7 +109,7 @@ class EquationErrorProblem(WeightedRows):
 
     def _origins(self) -> np.ndarray:
         """(R, 2) [rad] readings of motor and output counter at position zero, by recording."""
-        return np.array([(o.motor_origin, o.output_origin) for o in self.observations])
+        return np.array([(o.motor_origin, o.output_origin) for o in self.observations], np.float64)
 
     def _seen_outputs(self, plant: np.void) -> tuple[np.ndarray, np.ndarray]:
         """Measured output position (n,) [rad] behind teeth with play, and which recordings (R,) have it."""
@@ -165,7 +164,8 @@ class EquationErrorProblem(WeightedRows):
         """Torque rows (s, k) that several ``instances`` of one effect add to any prediction for this machine.
 
         They hold for the model file's torque constant; divide by ``torque_scale`` for another. None if the effect's
-        torque depends on the model. The rows are cached as far as memory allows: a search needs them repeatedly.
+        torque depends on the model, or if its dry friction is too low for the effect. The rows are cached as far as
+        memory allows: a search needs them repeatedly.
         """
         first = instances[0]
         effect = catalogue()[first.effect]
@@ -180,19 +180,17 @@ class EquationErrorProblem(WeightedRows):
         key = (effect_address(effect), place, self.weighting.wander, *constants, *slots)
         alike = self.kept_rows.get(key)
         if alike is None:
-            rows = np.zeros((self.rows, len(instances)))
             every = [self._required_by(beside, one) for one in instances]
-            rows[: self.size] = np.stack([torque / self.noise for torque, _ in every], 1)
             needed_level = max(-least for _, least in every) if place == DRY_LEVEL else 0.0
             if needed_level > beside.lowest_dry_level:  # the reduced level is cut off at zero: not alike
-                needed_level = math.inf
+                return None
+            rows = np.zeros((self.rows, len(instances)))
+            rows[: self.size] = np.stack([torque / self.noise for torque, _ in every], 1)
             alike = AlikeRows(self.whitened(rows)[: self.size], needed_level)
             kept = list(self.kept_rows.values())  # a copy: other threads may add theirs meanwhile
             if sum(one.rows.nbytes for one in kept) + alike.rows.nbytes < KEPT:
                 self.kept_rows[key] = alike
-        if alike.needed_level > beside.lowest_dry_level:
-            return None
-        return alike.rows
+        return alike.rows if alike.needed_level <= beside.lowest_dry_level else None
 
     def _required_by(self, beside: Prediction, instance: EffectInstance) -> tuple[np.ndarray, float]:
         """Torque (s,) [N m] that one effect alone requires of the drive, smoothed like the measured torque.

@@ -55,7 +55,7 @@ class JoinedMotions:
         required: np.ndarray,
         torque: np.ndarray,
     ) -> None:
-        """Fill ``required`` (n, 4) and the smoothed ``torque`` (s,) [N m] of the recordings from ``first`` to ``end``.
+        """Fill ``required`` (n, 4) and the smoothed ``torque`` (s,) [N m] of the ``recordings`` (first, end).
 
         ``origins`` (R, 2) [rad] are the readings of motor and output counter at position zero. ``seen`` (n,) [rad, slow
         shaft] holds the measured output position of the recordings that are ``drawn`` (R,); see ``inverse_dynamics``.
@@ -82,4 +82,4 @@ class JoinedMotions:
 
 def _joined(arrays: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Arrays one after another, and where each starts and the last ends."""
-    return np.concatenate(arrays), np.cumsum([0, *map(len, arrays)])
+    return np.concatenate(arrays), np.cumsum([0, *map(len, arrays)], dtype=np.int64)

@@ -9,6 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numba import float64, int64, njit, void
 
+from .. import plant  # noqa: F401 (names the folder for what numba compiles)
+
 REACH = 3.5
 """Standard deviations at which a kernel is cut off."""
 DERIVATIVE_REACH = 5.0

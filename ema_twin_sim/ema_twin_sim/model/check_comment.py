@@ -19,4 +19,4 @@ def check_comment(doubt: str) -> str:
 
 def is_assumed(source: str) -> bool:
     """Whether the source of a constant says that it is assumed."""
-    return ASSUMED in source
+    return any(part.strip().lower().startswith(ASSUMED) for part in source.split(";"))

@@ -214,8 +214,8 @@ def inverse_dynamics_of(plants, address, place, p, motion, motor_origin, output_
         least = min(least, value)
         sense = sign(speed)
         if place == DRY_LEVEL:
-            level = required[row, REQUIRED_DRY]
-            value = (max(0.0, level + value) - level) * (sense + plant.asymmetry * sense * sense)
+            value = max(value, -required[row, REQUIRED_DRY])  # a level is cut off at zero
+            value *= sense + plant.asymmetry * sense * sense
         elif place == VISCOUS_COEFFICIENT:
             value *= speed + plant.asymmetry * math.fabs(speed)
         torque[row] = value

@@ -58,8 +58,12 @@ def _span(stretch: DecisiveStretch, start: float) -> str:
 
 
 def _up(time: float) -> str:
-    return f"{_ROUNDED * math.ceil(time / _ROUNDED - _ROUNDED):g}"
+    return _written(_ROUNDED * math.ceil(time / _ROUNDED - _ROUNDED))
 
 
 def _down(time: float) -> str:
-    return f"{_ROUNDED * math.floor(time / _ROUNDED + _ROUNDED):g}"
+    return _written(_ROUNDED * math.floor(time / _ROUNDED + _ROUNDED))
+
+
+def _written(time: float) -> str:
+    return f"{time:.3f}".rstrip("0").rstrip(".")

@@ -278,14 +278,14 @@ def output_sentence(model: Model, names: Iterable[str]) -> str:
 
 
 def _has_output_torque(model: Model, name: str) -> bool:
-    """Whether an instance acts on the output with a parameter that is a torque, or a torque over something."""
+    """Whether an instance acts on the output with a parameter that is a torque."""
     from ..effects import catalogue
     from ..effects.effect import OUTPUT_TORQUE
 
     instance = model.effects[name]
     effect = catalogue()[instance.effect]
     on_output = effect.where(instance.options) == OUTPUT_TORQUE or instance.options.get("side") == "output"
-    return on_output and any(parameter.unit.startswith("N m") for parameter in effect.parameters)
+    return on_output and any(parameter.unit == "N m" for parameter in effect.parameters)
 
 
 def groups_sentence(groups: Sequence[Sequence[str]]) -> str:
