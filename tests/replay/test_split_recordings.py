@@ -102,7 +102,7 @@ class TestReading:
         bench.send(2500)
         recording = load(tmp_path / "live")
         assert len(recording) == 2500
-        assert recording.warnings == ("live_2.mcap: the file is cut; used up to the last whole part",)
+        assert recording.warnings == ("live_2.mcap: the file is cut, so only what is before that can be used",)
 
     @pytest.mark.parametrize("ended", [True, False])
     def test_one_of_rosbag2(self, tmp_path, ended):
