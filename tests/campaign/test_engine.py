@@ -226,6 +226,7 @@ def test_ctrl_c_in_a_terminal_ends_a_campaign_without_tracebacks(tmp_path, after
     with subprocess.Popen(
         [sys.executable, "-c", start, *map(str, arguments)],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),  # a shell's background ignores it
     ) as process:  # fmt: skip
         time.sleep(after)
         os.killpg(process.pid, signal.SIGINT)
