@@ -187,7 +187,7 @@ def test_a_steady_speed_is_no_counters_step():
 
 def test_what_init_refuses(tmp_path):
     (tmp_path / "odd.csv").write_text("foo,bar\n1,2\n3,4\n")
-    refused("init", "odd.csv", "-o", "odd", cwd=tmp_path, naming=("odd.csv: header", "foo, bar", "map"))
+    refused("init", "odd.csv", "-o", "odd", cwd=tmp_path, naming=("odd.csv: header", "foo, bar", "rename them"))
     (tmp_path / "there.yaml").write_text("")
     for name in ("there", "there.yaml"):  # a file's name is the machine's all the same
         refused("init", "odd.csv", "-o", name, cwd=tmp_path, naming=("there.yaml: exists already", "--force"))

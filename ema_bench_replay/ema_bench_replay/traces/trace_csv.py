@@ -180,13 +180,13 @@ class _Trace:
     def _report_alike(self, signal: SignalMap) -> None:
         """Warn if a column that no signal reads has nearly the name of this signal's, which is not there."""
         header, read = self.table.header, self.map.places(self.table.header)
-        spare = [name for place, name in enumerate(header) if name and place not in read]
+        spare = {name.lower(): name for place, name in enumerate(header) if name and place not in read}
         for column in (one for one in signal.columns if not one.is_parameter):
-            for near in get_close_matches(column.plain, spare, n=1, cutoff=_NEARLY_THE_SAME):
+            for near in get_close_matches(column.plain.lower(), spare, n=1, cutoff=_NEARLY_THE_SAME):
                 signal_words = signal.signal.replace("_", " ")
                 self._warn(
                     f"the map {self.map.name!r} reads the {signal_words} from {column.plain!r}, which is not there; "
-                    f"correct the map if {near!r} is meant"
+                    f"correct the map if {spare[near]!r} is meant"
                 )
 
     def _following(self, column: Column, place: int, signal: str) -> int:
