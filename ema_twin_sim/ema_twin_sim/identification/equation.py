@@ -89,10 +89,10 @@ class EquationErrorProblem(WeightedRows):
         """
         assembly = assemble(h.model())
         plant = assembly.plant[0]
-        seen, drawn = self._seen_outputs(plant)
+        seen, has_seen = self._seen_outputs(plant)
         required = np.empty((self.samples, len(REQUIRED))) if beside is None else beside.required.copy()
         rows = np.zeros(self.rows)
-        of = (assembly.plant, assembly.effects, self._origins(), seen, drawn, beside is not None, required, rows)
+        of = (assembly.plant, assembly.effects, self._origins(), seen, has_seen, beside is not None, required, rows)
         count = self.samples if side_by_side else 0
         for _ in predictions(count, lambda recordings: self.joined.require(recordings, *of), self.joined.halves):
             pass
@@ -113,11 +113,11 @@ class EquationErrorProblem(WeightedRows):
 
     def _seen_outputs(self, plant: np.void) -> tuple[np.ndarray, np.ndarray]:
         """Measured output position (n,) [rad] behind teeth with play, and which recordings (R,) have it."""
-        drawn = np.array([plant["gap"] > 0.0 and len(o.encoder_rows) > 0 for o in self.observations])
-        seen = np.empty(self.samples if drawn.any() else 0)
-        for k in map(int, np.flatnonzero(drawn)):
+        has_seen = np.array([plant["gap"] > 0.0 and len(o.encoder_rows) > 0 for o in self.observations])
+        seen = np.empty(self.samples if has_seen.any() else 0)
+        for k in map(int, np.flatnonzero(has_seen)):
             seen[self.joined.part(k)] = seen_output(self.observations[k], plant)
-        return seen, drawn
+        return seen, has_seen
 
     def _in_noise(self, h: Hypothesis, plant: np.void, rows: np.ndarray) -> np.ndarray:
         """Rows (m,) in units of noise, from required torque [N m] and encoder difference [rad]."""

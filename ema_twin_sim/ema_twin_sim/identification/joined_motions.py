@@ -50,7 +50,7 @@ class JoinedMotions:
         effects: Effects,
         origins: np.ndarray,
         seen: np.ndarray,
-        drawn: np.ndarray,
+        has_seen: np.ndarray,
         reuse_output_motion: bool,
         required: np.ndarray,
         torque: np.ndarray,
@@ -58,11 +58,11 @@ class JoinedMotions:
         """Fill ``required`` (n, 4) and the smoothed ``torque`` (s,) [N m] of the ``recordings`` (first, end).
 
         ``origins`` (R, 2) [rad] are the readings of motor and output counter at position zero. ``seen`` (n,) [rad, slow
-        shaft] holds the measured output position of the recordings that are ``drawn`` (R,); see ``inverse_dynamics``.
+        shaft] holds the measured output position of the recordings with ``has_seen`` (R,); see ``inverse_dynamics``.
         """
         first, end = recordings
         where = (self.motion, self.starts, origins, self.kernels, self.kernel_starts, self.rows, self.row_starts)
-        require(first, end, plant, effects, *where, seen, drawn, reuse_output_motion, required, torque)
+        require(first, end, plant, effects, *where, seen, has_seen, reuse_output_motion, required, torque)
 
     def require_of(
         self,

@@ -20,7 +20,7 @@ from ..plant.signatures import EFFECTS, INDICES, PLANTS, TABLE
     error_model="numpy",
 )  # fmt: skip
 def require(
-    first, end, plant, effects, motion, starts, origins, kernels, kernel_starts, rows, row_starts, seen, drawn,
+    first, end, plant, effects, motion, starts, origins, kernels, kernel_starts, rows, row_starts, seen, has_seen,
     reuse_output_motion, required, torque,
 ):  # fmt: skip
     """Fill ``required`` and the smoothed ``torque`` of the recordings from ``first`` to ``end``.
@@ -29,7 +29,7 @@ def require(
     """
     for k in range(first, end):
         begin, stop = starts[k], starts[k + 1]
-        position = seen[begin:stop] if drawn[k] else seen[:0]
+        position = seen[begin:stop] if has_seen[k] else seen[:0]
         inverse_dynamics(
             plant, effects, motion[begin:stop], origins[k, 0], origins[k, 1], position, reuse_output_motion,
             required[begin:stop],
