@@ -85,6 +85,7 @@ class EquationErrorProblem(WeightedRows):
     def predict(self, h: Hypothesis, beside: Prediction | None = None, *, side_by_side: bool = False) -> Prediction:
         """Predict the rows of a hypothesis; recordings run ``side_by_side`` (in parallel) if nothing else does.
 
+        A rigid drivetrain takes too little time for that: threads would cost more than they give.
         If a prediction ``beside`` is given, the output moves as it does there: only the motor side differs.
         """
         assembly = assemble(h.model())
@@ -93,7 +94,7 @@ class EquationErrorProblem(WeightedRows):
         required = np.empty((self.samples, len(REQUIRED))) if beside is None else beside.required.copy()
         rows = np.zeros(self.rows)
         of = (assembly.plant, assembly.effects, self._origins(), seen, has_seen, beside is not None, required, rows)
-        count = self.samples if side_by_side else 0
+        count = self.samples if side_by_side and plant["two_inertia"] != 0.0 else 0
         for _ in predictions(count, lambda recordings: self.joined.require(recordings, *of), self.joined.halves):
             pass
         if plant["two_inertia"] != 0.0 or plant["encoder_delay"] != 0.0 or plant["angle_errors"]:

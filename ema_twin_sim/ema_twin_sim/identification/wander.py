@@ -28,6 +28,13 @@ class Wander:
         """Logarithm of the covariance's determinant: the cost of allowing this much variation."""
         return float(sum(np.sum(np.log1p((self.share * spreads) ** 2)) for _, _, spreads in self.parts))
 
+    def equals(self, other: Wander) -> bool:
+        """Whether rows are whitened alike by both, however much either gains."""
+        return self.share == other.share and all(
+            mine[0] == theirs[0] and np.array_equal(mine[1], theirs[1]) and np.array_equal(mine[2], theirs[2])
+            for mine, theirs in zip(self.parts, other.parts, strict=True)
+        )
+
     def whitened(self, rows: np.ndarray) -> np.ndarray:
         """Rows (m,) or columns of rows (m, c), with the wandering part scaled down to the remaining noise."""
         return self._scaled(rows, -0.5)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -57,6 +57,8 @@ class _Asked:
     by_torque: frozenset[str]
     progress: Callable[[str], None]
     most: int
+    restarted: list[tuple[Wander, tuple[Fit, list[Round]]]] = field(default_factory=list)
+    """End and rounds of each search by torque that was restarted with wandering friction."""
 
 
 def search(
@@ -240,13 +242,23 @@ def _beside_wander(
     if wander is None:
         return None
     cost_of_many = _torque_cost(current) if _many(current) else math.inf
-    asked.progress(
-        f"friction seems to vary slowly by {wander.share:.1%}: starting again with that as part of the noise"
-    )
-    anew = plain.under(replace(plain.weighting.begun_anew(FAR), wander=wander))
-    beside, rounds_beside = add_effects(settle(fit(anew, asked.null)), asked.by_torque, asked.progress, most=asked.most)
+    beside, rounds_beside = _restarted(asked, plain, wander)
     too_dear = _torque_cost(beside) + wander.complexity_penalty > cost_of_many
     return None if too_dear or not explains_torque_with(wander, plain, beside) else (beside, rounds_beside)
+
+
+def _restarted(asked: _Asked, plain: EquationErrorProblem, wander: Wander) -> tuple[Fit, list[Round]]:
+    """End and rounds of a search by torque with wandering friction; the same friction is searched with once."""
+    known = next((ended for other, ended in asked.restarted if other.equals(wander)), None)
+    if known is None:
+        asked.progress(
+            f"friction seems to vary slowly by {wander.share:.1%}: starting again with that as part of the noise"
+        )
+        anew = plain.under(replace(plain.weighting.begun_anew(FAR), wander=wander))
+        begun = settle(fit(anew, asked.null))
+        known = add_effects(begun, asked.by_torque, asked.progress, most=asked.most)
+        asked.restarted.append((wander, known))
+    return known
 
 
 def depends_on_more(problem: EquationErrorProblem, h: Hypothesis, at_most: float) -> bool:
