@@ -1,13 +1,10 @@
 """Recordings that are predicted in one compiled call, and effects' rows that a search keeps from round to round."""
 
-import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from ema_twin_sim import plant
 from ema_twin_sim.identification.equation import EquationErrorProblem, torque_scale
 from ema_twin_sim.identification.hypothesis import DRY_SCALE, null_hypothesis
 from ema_twin_sim.measured.smoothing import gaussian, smooth_at
@@ -81,14 +78,3 @@ def test_rows_of_friction_levels_are_alike_beside_any_higher_level(problem, stoc
     larger = [replace(wave[0], parameters={"torque": 10.0 * level, "phase": 0.4})]
     for beside in predicted.values():
         assert problem.alike_beside_any(beside, larger) is None
-
-
-def test_code_that_is_kept_is_kept_under_the_content_of_its_sources():
-    """Whatever numba keeps on disk is in the plant, is an effect (kept under its own content), or is named there."""
-    package = Path(plant.__file__).parent.parent
-    kept = {
-        str(file.relative_to(package)) for file in package.rglob("*.py") if re.search(r"\bcache=True", file.read_text())
-    }
-    outside = {name for name in kept if not name.startswith(("plant/", "effects/"))}
-    assert outside <= {*plant.COMPILED_OUTSIDE}
-    assert all((package / name).is_file() for name in plant.COMPILED_OUTSIDE)

@@ -1,9 +1,44 @@
 """Offsets of the encoders' rows: compiled, since every prediction of a search needs them removed."""
 
-import numpy as np
 from numba import float64, int64, njit, void
 
 from ..plant.signatures import RANGES
+
+
+@njit(error_model="numpy")
+def _smallest(values, count):
+    """The ``count``-th smallest of ``values`` (n,) from zero on, whose order changes: Hoare's selection."""
+    low, high = 0, values.shape[0] - 1
+    while low < high:
+        pivot = values[count]
+        left, right = low, high
+        while left <= right:
+            while values[left] < pivot:
+                left += 1
+            while pivot < values[right]:
+                right -= 1
+            if left <= right:
+                values[left], values[right] = values[right], values[left]
+                left += 1
+                right -= 1
+        if right < count:
+            low = left
+        if count < left:
+            high = right
+    return values[count]
+
+
+@njit(error_model="numpy")
+def _median(values):
+    """Median of ``values`` (n,), whose order changes. Numba's own loads a library of linear algebra at each start."""
+    middle = values.shape[0] // 2
+    upper = _smallest(values, middle)
+    if values.shape[0] % 2:
+        return upper
+    lower = values[0]
+    for k in range(1, middle):
+        lower = max(lower, values[k])
+    return 0.5 * (lower + upper)
 
 
 @njit(
@@ -21,7 +56,7 @@ def remove_offsets(rows, pieces, size, noise, scale):
     for k in range(pieces.shape[0]):
         first, end = pieces[k]
         part, sigma = rows[first:end], noise[first - size : end - size]
-        median = np.median(part * sigma)
+        median = _median(part * sigma)
         weighted = total = 0.0
         for row in range(end - first):
             part[row] -= median / sigma[row]

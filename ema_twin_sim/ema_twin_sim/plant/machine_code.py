@@ -1,0 +1,51 @@
+"""Machine code that Numba keeps: in which folder, and how it is loaded at a start.
+
+Numba keys its cache by the date of one source file, but compiled loops consist of several, some outside the plant. The
+cache folder is therefore named after the content of all of them, so that no edit or update ever runs stale code.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core import caching
+from numba.core.runtime import rtsys
+
+COMPILED_OUTSIDE = ("identification/encoder_offsets.py", "identification/required_rows.py", "measured/smoothing.py")
+"""Other sources with compiled loops that are kept, from the package's folder on."""
+
+
+def keep_by_content() -> None:
+    """Let Numba keep its code in a folder named after all sources with compiled loops, unless the user names one."""
+    if not os.environ.get("NUMBA_CACHE_DIR"):
+        setattr(numba.config, "CACHE_DIR", str(_folder()))  # noqa: B010 (set while it runs; its type has no such name)
+
+
+def load_without_compiler() -> None:
+    """Let Numba load kept code without first importing all that its compiler knows of Python and NumPy.
+
+    That takes a quarter of a second of each start. Code that is loaded needs the runtime alone; the first function that
+    must be compiled imports the rest, as ever (``numba.core.caching.Cache.load_overload`` of Numba 0.61 to 0.68).
+    """
+    if hasattr(caching.Cache, "_load_overload"):
+        setattr(caching.Cache, "load_overload", _loaded)  # noqa: B010 (replaces a method)
+
+
+def _folder() -> Path:
+    content = hashlib.sha256(numba.__version__.encode())
+    here = Path(__file__).parent
+    for source in sorted([*here.rglob("*.py"), *(here.parent / name for name in COMPILED_OUTSIDE)]):
+        content.update(source.read_bytes())
+    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return base / "ema-twin" / content.hexdigest()[:16]
+
+
+def _loaded(cache: Any, sig: object, target_context: object) -> object:
+    rtsys.initialize(target_context)
+    with cache._guard_against_spurious_io_errors():
+        return cache._load_overload(sig, target_context)
+    return None
