@@ -1,4 +1,4 @@
-"""Listing: several things in a sentence."""
+"""Listing: several things in a sentence, and how many there are."""
 
 from __future__ import annotations
 
@@ -9,3 +9,8 @@ def listed(words: Iterable[str], last: str = "and") -> str:
     """``a, b and c``."""
     *first, end = words
     return f"{', '.join(first)} {last} {end}" if first else end
+
+
+def number_of(count: int, one: str, several: str | None = None) -> str:
+    """``1 line``, ``3 lines``; ``several`` is the plural of what does not get an s."""
+    return f"{count} {one if count == 1 else several or one + 's'}"

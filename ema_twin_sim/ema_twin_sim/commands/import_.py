@@ -13,6 +13,7 @@ import typer
 
 from ema_bench_replay.errors import InputError
 
+from ..listing import number_of
 from ..quantities import quantity
 from . import options
 from .output import console, counted
@@ -85,7 +86,7 @@ def run(
         )
     size = sum(one.stat().st_size for file in files for one in (file.glob("*.mcap") if file.is_dir() else [file]))
     seconds = time.perf_counter() - begin
-    console.print(f"{len(files)} file(s), {quantity(size, 'B')} in {seconds:.2f} s", style="dim")
+    console.print(f"{number_of(len(files), 'file')}, {quantity(size, 'B')} in {seconds:.2f} s", style="dim")
     write_json(json, {"imported": written})
 
 

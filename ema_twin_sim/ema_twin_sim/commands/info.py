@@ -12,6 +12,7 @@ from rich.markup import escape
 
 from ema_bench_replay.units import signal_unit
 
+from ..listing import number_of
 from ..quantities import quantity
 from . import options
 from .output import console, say
@@ -71,7 +72,7 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
             signals[name] = {"unit": unit, **numbers}
         console.print(table)
         if not points:
-            say(f"sample period {quantity(recording.sample_period, 's')}; {len(recording.gaps)} gap(s)")
+            say(f"sample period {quantity(recording.sample_period, 's')}; {number_of(len(recording.gaps), 'gap')}")
         for key, value in recording.metadata.items():
             if "\n" not in value and len(value) < 200:
                 say(f"  {key}: {value}")

@@ -17,6 +17,7 @@ from ema_bench_replay.load import load
 from ema_bench_replay.outputs import new_file
 from ema_bench_replay.recording import Recording
 
+from ..listing import number_of
 from .output import counted, warn
 
 
@@ -44,7 +45,7 @@ def load_runs(
             recording = recording.between(start, end)
         if len(recording) < least:
             raise InputError(
-                f"{file}: {len(recording)} sample(s) are too few; give at least {least} (check --from and --to)"
+                f"{file}: has {number_of(len(recording), 'sample')}, and {least} are needed; check --from and --to"
             )
         recordings.append(recording)
     names = _told_apart([recording.name for recording in recordings], files)

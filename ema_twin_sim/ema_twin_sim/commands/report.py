@@ -10,6 +10,7 @@ import typer
 
 from ema_bench_replay.errors import InputError
 
+from ..listing import number_of
 from . import options
 from .output import console, status, warn
 from .report_page import check_page_name, weighed, write_page
@@ -87,7 +88,7 @@ def run(
     if len(model) not in (2, 3):
         raise InputError(
             "report compares two models (before and after) or three (the second fitted, too): --model was given "
-            f"{len(model)} time{'s' if len(model) > 1 else ''}"
+            f"{number_of(len(model), 'time')}"
         )
     if fit is not None and len(model) == 2:
         raise InputError(f"--fit {fit}: belongs to a third model; give that with --model")

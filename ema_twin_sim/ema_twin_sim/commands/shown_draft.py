@@ -7,6 +7,7 @@ from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING
 
+from ..listing import number_of
 from .output import say, warn
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ def to_look_at(text: str) -> str:
     from ..model.check_comment import CHECK
 
     count = sum(CHECK in line for line in text.splitlines()[2:])
-    return f"{count} line(s) to check, marked {CHECK}" if count else "nothing had to be guessed"
+    return f"{number_of(count, 'line')} to check, marked {CHECK}" if count else "nothing had to be guessed"
 
 
 def in_unit(guess: Guess) -> str:

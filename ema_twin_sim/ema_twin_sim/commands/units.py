@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.markup import escape
 
+from ..listing import number_of
 from ..quantities import estimate, quantity
 from ..words.sentences import effect_words
 from ..words.units import (
@@ -150,7 +151,7 @@ def _json(one: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> dic
 def _show(
     units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], health: Mapping[str, UnitHealth | None]
 ) -> None:
-    table = ReportTable(f"{len(units)} {'unit' if len(units) == 1 else 'units'}, the largest {LAST_ERROR} first")
+    table = ReportTable(f"{number_of(len(units), 'unit')}, the largest {LAST_ERROR} first")
     table.words("unit")
     table.numbers("judged", "refused", "failed")
     table.words("last recorded", "missing effects (results)")
@@ -186,7 +187,7 @@ def _changed(looks: Sequence[Outlook]) -> str:
 
 
 def _show_recordings(one: Unit) -> None:
-    table = ReportTable(f"{one.name}: {len(one.rows)} {'result' if len(one.rows) == 1 else 'results'}")
+    table = ReportTable(f"{one.name}: {number_of(len(one.rows), 'result')}")
     table.words("recording", "recorded", "task", "verdict", "missing")
     table.numbers("error / noise")
     table.words("reason")

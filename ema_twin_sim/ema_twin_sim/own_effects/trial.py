@@ -18,6 +18,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 
 from ..effects.effect import DRY_LEVEL, OUTPUT_TORQUE, TORQUE, VISCOUS_COEFFICIENT, Effect, Options
+from ..listing import number_of
 from ..model.model import nearest
 from ..plant.layout import PLANT
 from ..plant.operating_point import PARAMETER_SLOTS, OperatingPoint, compiled_effect
@@ -143,7 +144,8 @@ def _compiled(file: Path, act: Callable[..., float], values: tuple[float, ...]) 
         try:
             act(at, _Table(values))
         except _NotInTable as missing:
-            what = f"act reads p[{missing}], but the table has {len(values)} parameter(s), numeric options included"
+            held = number_of(len(values), "parameter")
+            what = f"act reads p[{missing}], but the table has {held}, numeric options included"
             raise InputError(f"{file}: {line_of(missing, file)}{what}; add a Parameter, or count from p[0]") from None
         except AttributeError as error:
             if error.obj is at:

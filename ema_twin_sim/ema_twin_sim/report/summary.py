@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ..comparison.beyond_noise import is_noise, times_noise, times_words
 from ..comparison.running_comparison import SignalError, excess_removed
 from ..effects import catalogue
-from ..listing import listed
+from ..listing import listed, number_of
 from ..quantities import quantity
 from ..words.sentences import (
     NO_RUNNER_UP,
@@ -227,7 +227,7 @@ def _against_noise(error: SignalError) -> Markup:
 def _about(content: Content) -> Markup:
     recordings = content.given.recordings
     seconds = sum(recording.duration for recording in recordings)
-    count = f"{len(recordings)} recording{'s' if len(recordings) > 1 else ''}"
+    count = number_of(len(recordings), "recording")
     long = f"{sum(map(len, recordings))} operating points" if recordings[0].of_points else f"{seconds:.1f} s"
     machine, source = content.models[0].machine, content.given.comparisons[0].input
     told = f"{count}, {long}; recorded: {dates(recordings)}; machine: {machine}; input of the twins: {source}"

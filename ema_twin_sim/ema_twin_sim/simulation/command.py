@@ -17,6 +17,8 @@ import yaml
 from ema_bench_replay.checked_yaml import Checker, read_yaml
 from ema_bench_replay.errors import InputError
 
+from ..listing import number_of
+
 _SHAPES = {
     "ramp": ("rad/s", None),
     "sine": ("rad", "Hz"),
@@ -92,7 +94,9 @@ def parse_command(text: str, *, start: float = 0.0, phase: float = 0.0) -> Comma
         raise InputError(f"command '{text}': unknown kind '{kind}'; give {FORMS}")
     units = [unit for unit in _SHAPES[shape] if unit]
     if len(numbers) != len(units):
-        raise InputError(f"command '{text}': {shape} takes {len(units)} number(s) [{', '.join(units)}]; give {FORMS}")
+        raise InputError(
+            f"command '{text}': {shape} takes {number_of(len(units), 'number')} [{', '.join(units)}]; give {FORMS}"
+        )
     try:
         values = [float(number) for number in numbers]
     except ValueError:
@@ -175,6 +179,8 @@ def _from_file(path: Path, start: float) -> Callable[[np.ndarray], np.ndarray]:
             raise InputError(f"{path}:{number}: time must grow and numbers be finite; mend the line")
         points.append((time, value))
     if len(points) < 2:
-        raise InputError(f"{path}: holds {len(points)} point(s); a command needs at least two lines of time,value")
+        raise InputError(
+            f"{path}: holds {number_of(len(points), 'point')}; a command needs at least two lines of time,value"
+        )
     times, values = np.array(points).T
     return lambda t: start + np.interp(t, times, values)

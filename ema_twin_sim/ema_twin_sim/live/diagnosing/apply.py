@@ -7,6 +7,7 @@ from typing import Any
 
 from ema_bench_replay.errors import InputError
 
+from ...listing import number_of
 from ...model.model import ENABLED, nearest
 from ...quantities import estimate
 from .frames import Answer
@@ -61,7 +62,7 @@ def _refitted(answer: Answer) -> list[str]:
     """How many other numbers change: the machine's, and those of effects that it has already."""
     own = tuple(f"effects.{entry['instance']}." for entry in answer.explanation)
     count = sum(not path.startswith(own) for path in answer.settings)
-    return [f"and {count} constant{'s' if count > 1 else ''} refitted"] if count else []
+    return [f"and {number_of(count, 'constant')} refitted"] if count else []
 
 
 def _word(entry: Mapping[str, Any]) -> list[str]:
