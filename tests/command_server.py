@@ -2,7 +2,8 @@
 
 A command takes one to two seconds to start, most of it for reading libraries, and the tests give some hundred. What a
 child does is the command: its arguments, folder, streams and exit status are its own, and nothing of it is left behind.
-What starts nodes or other processes is not given to it, nor what tests the start itself.
+What starts nodes or other processes is not given to it, nor what tests the start itself. Where a test process runs on
+every core, commands run in one thread.
 """
 
 import atexit
@@ -83,7 +84,10 @@ def _given_to_a_child(order):
 def _become(order):
     """The command itself, from its arguments to its exit."""
     from ema_twin_sim.entry import main
+    from ema_twin_sim.parallel import one_after_another
 
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        one_after_another()
     status = 1
     try:
         os.setsid()
