@@ -23,6 +23,16 @@ def rows_by_bin(x: np.ndarray, edges: np.ndarray, fewest: int) -> list[np.ndarra
 
 
 def quartiles(values: np.ndarray, rows: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Lower quartiles, medians and upper quartiles (b,) of the values in each bin."""
-    lower, median, upper = np.array([np.quantile(values[found], (0.25, 0.5, 0.75)) for found in rows]).reshape(-1, 3).T
+    """Lower quartiles, medians and upper quartiles (b,) of the values in each bin, as ``np.quantile`` gives them.
+
+    That function takes fifteen times as long for a few values, and a report has hundreds of bins.
+    """
+    found = np.zeros((3, len(rows)))
+    for k, inside in enumerate(rows):
+        ordered = np.sort(values[inside])
+        place = np.array((0.25, 0.5, 0.75)) * (len(ordered) - 1)
+        before = place.astype(int)
+        after = np.minimum(before + 1, len(ordered) - 1)
+        found[:, k] = ordered[before] + (place - before) * (ordered[after] - ordered[before])
+    lower, median, upper = found
     return lower, median, upper

@@ -154,6 +154,7 @@ def discover(
     null = null_hypothesis(model, by_torque=problem.size > 0)
     excluded = excluded_effects(recordings, model, without)
     found, known = _searched(problem, null, excluded, progress)
+    searched = found.fit
     start = found.rounds[0].before
     depends_on: tuple[str, ...] = ()
     if not known and found.problem.weighting.wander is not None and explained(found.problem, found.fit, start):
@@ -165,7 +166,7 @@ def discover(
     progress("looking for rivals")
     found, rivals = judged_against_rivals(found, excluded)
     found = significant(found)
-    known = known and explained(found.problem, found.fit, start)
+    known = known and (found.fit is searched or explained(found.problem, found.fit, start))
     loop = ClosedLoop(recordings, found.fit.hypothesis.base)
     found = with_best_split(loop, found)
     found = with_unmoved_constants(loop, found) if known else found

@@ -252,9 +252,10 @@ def _view(
     change = left["before"] - left["after"]
     explained = 0.0
     for direction, chosen in directions.items():
-        rows = rows_by_bin(x[chosen], edges, FEWEST)
-        explained += sum(len(found) * float(np.mean(change[chosen][found])) ** 2 for found in rows)
-        centres = np.array([np.median(x[chosen][found]) for found in rows])
+        along, fell = x[chosen], change[chosen]
+        rows = rows_by_bin(along, edges, FEWEST)
+        explained += sum(len(found) * float(np.mean(fell[found])) ** 2 for found in rows)
+        _, centres, _ = quartiles(along, rows)
         for name, values in left.items():
             lower, median, upper = quartiles(values[chosen], rows)
             curves.append(Curve(name, direction, centres, median, lower, upper))

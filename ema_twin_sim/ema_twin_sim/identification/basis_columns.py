@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..measured.observation import Observation
-from ..measured.smoothing import smooth_at
+from ..measured.smoothing import smooth_many_at
 from .equation import EquationErrorProblem
 
 
@@ -19,10 +19,8 @@ def hat_columns(x: np.ndarray, knots: np.ndarray) -> np.ndarray:
 def at_rows_of(o: Observation, columns: np.ndarray) -> np.ndarray:
     """Torques at full rate (n, k) [N m], converted to the torque rows (m, k) of one recording in units of noise."""
     out = np.empty((len(o.rows), columns.shape[1]))
-    for k in range(columns.shape[1]):
-        got = np.empty(len(o.rows))
-        smooth_at(np.ascontiguousarray(columns[:, k]), o.kernel, o.rows, got)
-        out[:, k] = got / o.torque_noise
+    smooth_many_at(np.ascontiguousarray(columns), o.kernel, o.rows, out)
+    out /= o.torque_noise[:, None]
     return out
 
 

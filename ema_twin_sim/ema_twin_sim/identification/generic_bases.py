@@ -12,7 +12,7 @@ import numpy as np
 
 from ..measured.order_spectrum import largest_in_cells, refined
 from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME
-from .basis_columns import at_rows, hat_columns
+from .basis_columns import at_rows, at_rows_of, hat_columns
 from .equation import EquationErrorProblem
 from .fit import Fit, fit
 
@@ -99,11 +99,10 @@ def _by_time(problem: EquationErrorProblem) -> dict[str, np.ndarray]:
             continue
         lasts = chosen.motion[-1, TIME]
         knots = np.linspace(0.0, lasts, min(max(LEAST_KNOTS, round(lasts / KNOT)), MOST_KNOTS))
-        hats = [
-            hat_columns(o.motion[:, TIME], knots) * np.sign(o.motion[:, SPEED])[:, None] * float(o is chosen)
-            for o in problem.observations
-        ]
-        found[f"time#{k}"] = at_rows(problem, hats)
+        hats = hat_columns(chosen.motion[:, TIME], knots) * np.sign(chosen.motion[:, SPEED])[:, None]
+        columns = np.zeros((problem.rows, len(knots)))
+        columns[problem.torque_parts[k]] = at_rows_of(chosen, hats)
+        found[f"time#{k}"] = problem.whitened(columns)
     return found
 
 

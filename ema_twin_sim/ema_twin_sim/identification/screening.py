@@ -17,6 +17,7 @@ from .equation import EquationErrorProblem, torque_scale
 from .fit import Fit, prior_rows
 from .search_limits import Reached
 from .start_values import regressed_angle
+from .wandering import HARDLY
 
 STEP = 1e-2  # of a typical size; within it an effect is taken as linear
 AT_ONCE = 20_000_000  # bytes at most of rows that are processed together
@@ -197,7 +198,8 @@ def screen_generic_bases(problem: EquationErrorProblem, f: Fit) -> list[tuple[fl
             [columns * (f.weights / known.root_inflation)[:, None], np.zeros((len(r) - len(f.raw), columns.shape[1]))]
         )
         a -= q @ (q.T @ a)
-        u, s, _ = np.linalg.svd(a, full_matrices=False)
-        u = u[:, s > 1e-6 * max(s[0], 1e-12)]
-        found.append((float(np.sum((u.T @ r) ** 2)) - 2.0 * u.shape[1], name))
+        squares, axes = np.linalg.eigh(a.T @ a)
+        along = axes.T @ (a.T @ r)
+        kept = squares > HARDLY * max(squares[-1], 1e-24)
+        found.append((float(np.sum(along[kept] ** 2 / squares[kept])) - 2.0 * int(kept.sum()), name))
     return sorted(found, reverse=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from ...criteria import (
@@ -116,10 +118,11 @@ def unexplained(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
     current, whose rounding has a shape as well.
     """
     bristled = f.predicted.plant["bristle_stiffness"][0] > 0.0
+    has_shape = cache(lambda: depends(problem, f))  # takes long, and is the same for all recordings
     if not f.parted and problem.size:
         misfit = float(problem.costs(f.raw)[: problem.size].mean()) / (BRISTLED if bristled else 1.0)
         told_by_shape = bool(f.hypothesis.added) and not coarse(problem)
-        if misfit > MISFIT_LEFT or ((misfit > MISFIT_DOUBTED or told_by_shape) and depends(problem, f)):
+        if misfit > MISFIT_LEFT or ((misfit > MISFIT_DOUBTED or told_by_shape) and has_shape()):
             return True
     for o, left, before in zip(problem.observations, left_over(problem, f), left_over(problem, start), strict=True):
         if not len(o.rows):
@@ -129,6 +132,6 @@ def unexplained(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
             allowed *= BRISTLED
         if f.parted:
             allowed = max(SHAKY * allowed, PART * before)
-        if left > allowed and (f.parted or left > 2.0 * allowed or depends(problem, f)):
+        if left > allowed and (f.parted or left > 2.0 * allowed or has_shape()):
             return True
     return False
