@@ -12,6 +12,7 @@ import tests.ros_domain  # noqa: F401 - takes a graph of its own
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the package does where it is imported first
 
+from ema_twin_sim.listing import number_of
 from ema_twin_sim.parallel import one_after_another
 
 # the same examples at every run; HYPOTHESIS_PROFILE=explore looks for new ones. None has a deadline: on a busy machine
@@ -91,7 +92,9 @@ def pytest_terminal_summary(terminalreporter):
     reports = terminalreporter.stats.get("without recordings", ())
     folders = Counter(report.longrepr[2].partition(ABSENT)[2] for report in reports)
     for folder, count in sorted(folders.items()):
-        terminalreporter.write_line(f"not run, since {folder} with its recordings is absent: {count} test(s)")
+        terminalreporter.write_line(
+            f"not run, since {folder} with its recordings is absent: {number_of(count, 'test')}"
+        )
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -11,6 +11,6 @@ def listed(words: Iterable[str], last: str = "and") -> str:
     return f"{', '.join(first)} {last} {end}" if first else end
 
 
-def number_of(count: int, one: str, several: str | None = None) -> str:
-    """``1 line``, ``3 lines``; ``several`` is the plural of what does not get an s."""
-    return f"{count} {one if count == 1 else several or one + 's'}"
+def number_of(count: int, one: str) -> str:
+    """``1 line``, ``3 lines``."""
+    return f"{count} {one}" if count == 1 else f"{count} {one}s"

@@ -1,5 +1,7 @@
 """Recordings that are predicted in one compiled call, and effects' rows that a search keeps from round to round."""
 
+import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
@@ -8,6 +10,7 @@ import pytest
 
 from ema_twin_sim.identification.equation import EquationErrorProblem, torque_scale
 from ema_twin_sim.identification.hypothesis import DRY_SCALE, null_hypothesis
+from ema_twin_sim.identification.joined_motions import JoinedMotions
 from ema_twin_sim.measured.smoothing import gaussian, smooth_at
 from ema_twin_sim.model import EffectInstance
 from ema_twin_sim.plant.measured_motion import MOTOR_ANGLE, REQUIRED, REQUIRED_TORQUE, SPEED, inverse_dynamics
@@ -65,10 +68,16 @@ def test_all_recordings_together_need_what_each_needs_alone(problem, recordings,
 
 def test_two_threads_predict_a_compliant_shaft_as_one_does(problem, waved, monkeypatch):
     monkeypatch.setattr("ema_twin_sim.parallel._MANY", 0)  # two threads, however few samples there are
+    threads = set()
+    require = JoinedMotions.require
+    monkeypatch.setattr(
+        JoinedMotions, "require", lambda *of: threads.add(threading.get_ident()) or time.sleep(0.1) or require(*of)
+    )
     compliant = waved.with_effect("shaft_compliance", {}, {"stiffness": 20.0, "damping": 0.01})
     with ThreadPoolExecutor(1) as caller:  # in a test process beside others, its own thread does all alone
         together = caller.submit(problem.predict, compliant, side_by_side=True).result()
     alone = problem.predict(compliant)
+    assert len(threads) == 3  # two, and this one
     assert together.plant["two_inertia"][0] != 0.0
     assert np.array_equal(together.required, alone.required) and np.array_equal(together.rows, alone.rows)
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.markup import escape
 
+from ..listing import number_of
 from ..words.sweep import columns, limit_words, meaning, point_cells
 from . import options
 from .output import console, counted, say, status, warn
@@ -161,7 +162,7 @@ def _show(points: Sequence[SweptPoint]) -> None:
     """Print one row per point: how often the effect was named, and the errors of the varied numbers."""
     if not points:
         return
-    table = ReportTable(f"{len(points)} points")
+    table = ReportTable(number_of(len(points), "point"))
     paths = [path for path, _, _ in points[0].settings]
     told = columns(points)
     table.numbers(*(escape(path) for path in paths), *told)

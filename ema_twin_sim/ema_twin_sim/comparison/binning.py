@@ -23,7 +23,7 @@ def rows_by_bin(x: np.ndarray, edges: np.ndarray, fewest: int) -> list[np.ndarra
 
 
 def quartiles(values: np.ndarray, rows: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Lower quartiles, medians and upper quartiles (b,) of the values in each bin, as ``np.quantile`` gives them.
+    """Lower quartiles, medians and upper quartiles (b,) of the finite values in each bin, as ``np.quantile`` has them.
 
     That function takes fifteen times as long for a few values, and a report has hundreds of bins.
     """

@@ -6,11 +6,11 @@ from ..plant.signatures import RANGES
 
 
 @njit(error_model="numpy")
-def _smallest(values, count):
-    """The ``count``-th smallest of ``values`` (n,) from zero on, whose order changes: Hoare's selection."""
+def _at_place(values, place):
+    """The value that sorting would put at index ``place``; reorders ``values`` (n,). Hoare's selection."""
     low, high = 0, values.shape[0] - 1
     while low < high:
-        pivot = values[count]
+        pivot = values[place]
         left, right = low, high
         while left <= right:
             while values[left] < pivot:
@@ -21,18 +21,18 @@ def _smallest(values, count):
                 values[left], values[right] = values[right], values[left]
                 left += 1
                 right -= 1
-        if right < count:
+        if right < place:
             low = left
-        if count < left:
+        if place < left:
             high = right
-    return values[count]
+    return values[place]
 
 
 @njit(error_model="numpy")
 def _median(values):
-    """Median of ``values`` (n,), whose order changes. Numba's own loads a library of linear algebra at each start."""
+    """Median of one value or more (n,); reorders them. Numba's own loads a library of linear algebra at each start."""
     middle = values.shape[0] // 2
-    upper = _smallest(values, middle)
+    upper = _at_place(values, middle)
     if values.shape[0] % 2:
         return upper
     lower = values[0]

@@ -13,7 +13,6 @@ from typing import Any
 
 import numba
 from numba.core import caching
-from numba.core.runtime import rtsys
 
 COMPILED_OUTSIDE = ("identification/encoder_offsets.py", "identification/required_rows.py", "measured/smoothing.py")
 """Other sources with compiled loops that are kept, from the package's folder on."""
@@ -22,30 +21,43 @@ COMPILED_OUTSIDE = ("identification/encoder_offsets.py", "identification/require
 def keep_by_content() -> None:
     """Let Numba keep its code in a folder named after all sources with compiled loops, unless the user names one."""
     if not os.environ.get("NUMBA_CACHE_DIR"):
-        setattr(numba.config, "CACHE_DIR", str(_folder()))  # noqa: B010 (set while it runs; its type has no such name)
+        setattr(numba.config, "CACHE_DIR", str(folder()))  # noqa: B010 (set while it runs; its type has no such name)
+
+
+_KNOWN_STEPS = ("refresh", "_guard_against_spurious_io_errors", "_load_overload")
+"""What Numba's loading of kept code consists of (0.61 to 0.68)."""
 
 
 def load_without_compiler() -> None:
-    """Let Numba load kept code without first importing all that its compiler knows of Python and NumPy.
+    """Let Numba load this package's kept code without first importing all that its compiler knows of Python and NumPy.
 
-    That takes a quarter of a second of each start. Code that is loaded needs the runtime alone; the first function that
-    must be compiled imports the rest, as ever (``numba.core.caching.Cache.load_overload`` of Numba 0.61 to 0.68).
+    That takes a quarter of a second of each start. Loaded loops need the runtime alone; the first function that must be
+    compiled imports the rest, as ever. Other packages' code is loaded as before: a ufunc, for one, is wrapped by the
+    compiler after it is loaded. If Numba's own way has other steps than the known ones, it stays.
     """
-    if hasattr(caching.Cache, "_load_overload"):
-        setattr(caching.Cache, "load_overload", _loaded)  # noqa: B010 (replaces a method)
+    original = caching.Cache.load_overload
+    if original.__code__.co_names != _KNOWN_STEPS:
+        return
+    package = __name__.partition(".")[0]
+
+    def load_overload(cache: Any, sig: object, target_context: Any) -> object:
+        if cache._py_func.__module__.partition(".")[0] != package:
+            return original(cache, sig, target_context)
+        from numba.core.runtime import rtsys
+
+        rtsys.initialize(target_context)
+        with cache._guard_against_spurious_io_errors():
+            return cache._load_overload(sig, target_context)
+        return None  # what could not be read is compiled
+
+    setattr(caching.Cache, "load_overload", load_overload)  # noqa: B010 (mypy forbids to assign to a method)
 
 
-def _folder() -> Path:
+def folder() -> Path:
+    """The folder for kept code, named after the content of all sources with compiled loops."""
     content = hashlib.sha256(numba.__version__.encode())
     here = Path(__file__).parent
     for source in sorted([*here.rglob("*.py"), *(here.parent / name for name in COMPILED_OUTSIDE)]):
         content.update(source.read_bytes())
     base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     return base / "ema-twin" / content.hexdigest()[:16]
-
-
-def _loaded(cache: Any, sig: object, target_context: object) -> object:
-    rtsys.initialize(target_context)
-    with cache._guard_against_spurious_io_errors():
-        return cache._load_overload(sig, target_context)
-    return None

@@ -16,6 +16,7 @@ from ..campaign.histories import Outlook
 from ..campaign.store import file_name
 from ..campaign.unit_health import UnitHealth
 from ..campaign.units import Unit
+from ..listing import number_of
 from ..quantities import estimate, quantity
 from ..words.sentences import effect_words
 from ..words.units import (
@@ -77,7 +78,7 @@ def _overview(
     refused = sum(unit.refused + unit.failed for unit in units)
     lead = (
         f"{lacking} with effects missing in their model, {changed} with a parameter that changed or nears its limit. "
-        f"{sum(unit.judged for unit in units)} results; {refused} inputs could not be judged."
+        f"{number_of(sum(unit.judged for unit in units), 'result')}; {number_of(refused, 'input')} could not be judged."
     )
     rows = [
         (
@@ -104,7 +105,7 @@ def _overview(
     )
     found = table(head, rows, words=(0, 3, 4, 6, 7))
     box = tag("p", tag("label", "Show units with ", Markup('<input type="search" aria-label="filter">')))
-    title = f"{len(units)} units"
+    title = number_of(len(units), "unit")
     body = joined([tag("h1", title), tag("p", lead, class_="lead"), box, found])
     return whole_page(title, body, script=_FILTER)
 
@@ -119,7 +120,7 @@ def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> st
         section(
             "acquisition",
             "Acquisition",
-            tag("p", f"{unit.judged} results, {unit.refused} refused, {unit.failed} failed."),
+            tag("p", f"{number_of(unit.judged, 'result')}, {unit.refused} refused, {unit.failed} failed."),
             items(*remarks) if remarks else tag("p", "All results can be compared with each other."),
         ),
         section("state", "State", tag("p", _state(unit)), *_tests(health)),

@@ -10,6 +10,7 @@ import numpy as np
 from ema_bench_replay.outputs import new_file
 
 from ..campaign.sweep_points import DetectionLimit, SweptPoint
+from ..listing import number_of
 from ..quantities import quantity
 from ..words.sweep import columns, limit_words, point_cells
 from .chart import AFTER, Chart, Charts, Trace, axis, label, line, log_axis
@@ -31,8 +32,9 @@ def write_sweep_page(
     """
     count = sum(point.results for point in points)
     charts = Charts()
-    others = f" {lost} points were refused or failed, and are not shown." if lost else ""
-    parts = [tag("h1", "Sweep"), tag("p", f"{len(points)} points, {count} results.{others}", class_="lead")]
+    others = f" Not shown, since refused or failed: {number_of(lost, 'point')}." if lost else ""
+    lead = f"{number_of(len(points), 'point')}, {number_of(count, 'result')}.{others}"
+    parts = [tag("h1", "Sweep"), tag("p", lead, class_="lead")]
     if limit is not None:
         parts.append(tag("p", limit_words(limit)))
     axes = len(points[0].settings) if points else 0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,6 +34,7 @@ from ..criteria.worth import (
 )
 from .adding import add_effects, add_structure, added_and_removed, beside_impacts, settle
 from .removing import significant
+from .restarts import Restarts
 from .trace import Round, Search
 
 
@@ -49,7 +50,7 @@ class _Asked:
     """Inputs of a search: where it begins, what its rounds may not add, and how many rounds a phase may have.
 
     ``by_torque`` are the effects excluded while only the torque is searched, ``without`` those that are always
-    excluded.
+    excluded. ``restarts`` collects the ends of searches that were restarted with wandering friction.
     """
 
     null: Hypothesis
@@ -57,8 +58,7 @@ class _Asked:
     by_torque: frozenset[str]
     progress: Callable[[str], None]
     most: int
-    restarted: list[tuple[Wander, tuple[Fit, list[Round]]]] = field(default_factory=list)
-    """End and rounds of each search by torque that was restarted with wandering friction."""
+    restarts: Restarts
 
 
 def search(
@@ -88,7 +88,7 @@ def search(
         progress("searching by torque alone")
     begun = fit(bare.problem.by_torque_alone(), bare.hypothesis) if parts else bare
     may_wander = may_wander and begun.problem.weighting.wander is None and not null.base.is_open
-    asked = _Asked(null, without, by_torque, progress, most)
+    asked = _Asked(null, without, by_torque, progress, most, Restarts())
     current, rounds = _add_effects_or_wander(asked, begun, [], may_wander)
     if parts:
         current, rounds = _beside_encoders(asked, current, rounds, may_wander)
@@ -242,23 +242,17 @@ def _beside_wander(
     if wander is None:
         return None
     cost_of_many = _torque_cost(current) if _many(current) else math.inf
-    beside, rounds_beside = _restarted(asked, plain, wander)
-    too_dear = _torque_cost(beside) + wander.complexity_penalty > cost_of_many
-    return None if too_dear or not explains_torque_with(wander, plain, beside) else (beside, rounds_beside)
 
-
-def _restarted(asked: _Asked, plain: EquationErrorProblem, wander: Wander) -> tuple[Fit, list[Round]]:
-    """End and rounds of a search by torque with wandering friction; the same friction is searched with once."""
-    known = next((ended for other, ended in asked.restarted if other.equals(wander)), None)
-    if known is None:
+    def restart() -> tuple[Fit, list[Round]]:
         asked.progress(
             f"friction seems to vary slowly by {wander.share:.1%}: starting again with that as part of the noise"
         )
         anew = plain.under(replace(plain.weighting.begun_anew(FAR), wander=wander))
-        begun = settle(fit(anew, asked.null))
-        known = add_effects(begun, asked.by_torque, asked.progress, most=asked.most)
-        asked.restarted.append((wander, known))
-    return known
+        return add_effects(settle(fit(anew, asked.null)), asked.by_torque, asked.progress, most=asked.most)
+
+    beside, rounds_beside = asked.restarts(wander, plain.use_encoder, restart)
+    too_dear = _torque_cost(beside) + wander.complexity_penalty > cost_of_many
+    return None if too_dear or not explains_torque_with(wander, plain, beside) else (beside, rounds_beside)
 
 
 def depends_on_more(problem: EquationErrorProblem, h: Hypothesis, at_most: float) -> bool:
