@@ -11,17 +11,18 @@ from rich.markup import escape
 
 from ..listing import number_of
 from ..quantities import estimate, quantity
-from ..words.sentences import effect_words
 from ..words.units import (
     LAST_ERROR,
+    RESULT_HEAD,
+    TEST_HEAD,
     change_of,
-    change_words,
     health_words,
     life_words,
     missing_words,
     moving_words,
-    named_words,
     number_words,
+    result_cells,
+    test_cells,
 )
 from . import options
 from .output import console, say, warn
@@ -188,20 +189,11 @@ def _changed(looks: Sequence[Outlook]) -> str:
 
 def _show_recordings(one: Unit) -> None:
     table = ReportTable(f"{one.name}: {number_of(len(one.rows), 'result')}")
-    table.words("recording", "recorded", "task", "verdict", "missing")
-    table.numbers("error / noise")
-    table.words("reason")
+    table.words(*RESULT_HEAD[:5])
+    table.numbers(RESULT_HEAD[5])
+    table.words(RESULT_HEAD[6])
     for row in one.rows:
-        beyond = one.beyond(row)
-        table.add_row(
-            escape(row["name"]),
-            f"{row['time']:%Y-%m-%d %H:%M}" if row["time"] else "",
-            row["task"],
-            row["verdict"] or row["status"],
-            ", ".join(effect_words(effect) for effect in row["missing"] or ()),
-            "" if beyond is None else f"{beyond:.1f} ×",
-            escape(row["message"] or ""),
-        )
+        table.add_row(*map(escape, result_cells(one, row)))
     console.print(table)
 
 
@@ -216,19 +208,13 @@ def _show_health(health: UnitHealth | None) -> None:
             f"{100.0 * one.false_alarms_left_out:.0f} %."
         )
     table = ReportTable()
-    table.words("test")
-    table.numbers("deviating", "distance")
-    table.words("fault family", "what changed")
+    table.words(TEST_HEAD[0])
+    table.numbers(*TEST_HEAD[1:3])
+    table.words(*TEST_HEAD[3:])
     for test in health.tests:
-        table.add_row(
-            escape(test.name),
-            f"{test.detected}/{test.judged}",
-            f"{test.worst.distance:.1f} ×" if test.judged else "",
-            named_words(test),
-            escape(change_words(test)),
-        )
+        table.add_row(*map(escape, test_cells(test)))
     console.print(table)
-    say("Distance: the largest distance from the healthy recordings; 1 × is the limit.")
+    say("Distance: the largest distance from the healthy recordings, in times the limit.")
 
 
 def _show_numbers(looks: Sequence[Outlook]) -> None:

@@ -21,14 +21,16 @@ from ..quantities import estimate, quantity
 from ..words.sentences import effect_words
 from ..words.units import (
     LAST_ERROR,
+    RESULT_HEAD,
+    TEST_HEAD,
     change_of,
-    change_words,
     health_words,
     life_words,
     missing_words,
     moving_words,
-    named_words,
     number_words,
+    result_cells,
+    test_cells,
 )
 from .history_chart import history_chart
 from .markup import Markup, items, joined, section, table, tag
@@ -156,17 +158,7 @@ def _tests(health: UnitHealth | None) -> Iterator[Markup]:
         return
     for one in health.baselines:
         yield tag("p", f"Compared with {one.runs} healthy recordings of {one.tests} tests:")
-    rows = [
-        (
-            test.name,
-            f"{test.detected}/{test.judged}",
-            f"{test.worst.distance:.1f} ×" if test.judged else "",
-            named_words(test),
-            change_words(test),
-        )
-        for test in health.tests
-    ]
-    yield table(("test", "deviating", "distance / limit", "fault family", "what changed"), rows, words=(0, 3, 4))
+    yield table(TEST_HEAD, map(test_cells, health.tests), words=(0, 3, 4))
 
 
 def _unchanged(looks: Sequence[Outlook]) -> str:
@@ -223,17 +215,4 @@ def _figure(look: Outlook) -> Markup:
 
 
 def _results(unit: Unit) -> Markup:
-    rows = [
-        (
-            row["name"],
-            f"{row['time']:%Y-%m-%d %H:%M}" if row["time"] else "",
-            row["task"],
-            row["verdict"] or row["status"],
-            ", ".join(effect_words(effect) for effect in row["missing"] or ()),
-            "" if (beyond := unit.beyond(row)) is None else f"{beyond:.1f} ×",
-            row["message"] or "",
-        )
-        for row in unit.rows
-    ]
-    head = ("recording", "recorded", "task", "verdict", "missing", "error / noise", "reason")
-    return table(head, rows, words=(0, 1, 2, 3, 4, 6))
+    return table(RESULT_HEAD, [result_cells(unit, row) for row in unit.rows], words=(0, 1, 2, 3, 4, 6))

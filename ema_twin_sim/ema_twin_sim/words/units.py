@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from ..quantities import quantity
 from .sentences import effect_words
@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 
 LAST_ERROR = "last error / noise"
 """Heading of the largest error of a unit's last result, in times the sensors' noise."""
+RESULT_HEAD = ("recording", "recorded", "task", "verdict", "missing", "error / noise", "reason")
+"""Headings of a unit's results; the error is in times the sensors' noise."""
+TEST_HEAD = ("test", "deviating", "distance / limit", "fault family", "what changed")
+"""Headings of a unit's tests, compared with its healthy ones."""
 _SHOWN = 3
 """Number of a unit's effects that are named."""
 
@@ -91,3 +95,23 @@ def missing_words(unit: Unit) -> str:
     told = [f"{effect_words(effect)} {count}/{unit.searched}" for effect, count in unit.missing[:_SHOWN]]
     more = len(unit.missing) - _SHOWN
     return ", ".join([*told, *([f"{more} more"] if more > 0 else [])]) or "nothing"
+
+
+def result_cells(unit: Unit, row: Mapping[str, Any]) -> tuple[str, ...]:
+    """One of a unit's results, below ``RESULT_HEAD``."""
+    beyond = unit.beyond(row)
+    return (
+        row["name"],
+        f"{row['time']:%Y-%m-%d %H:%M}" if row["time"] else "",
+        row["task"],
+        row["verdict"] or row["status"],
+        ", ".join(effect_words(effect) for effect in row["missing"] or ()),
+        "" if beyond is None else f"{beyond:.1f} ×",
+        row["message"] or "",
+    )
+
+
+def test_cells(test: JudgedTest) -> tuple[str, ...]:
+    """One of a unit's tests, below ``TEST_HEAD``."""
+    distance = f"{test.worst.distance:.1f} ×" if test.judged else ""
+    return test.name, f"{test.detected}/{test.judged}", distance, named_words(test), change_words(test)
