@@ -69,8 +69,8 @@ def test_what_is_judged_on_unseen_data_stays_within_what_was_searched(stock, sti
     slopes, residual = np.full((2, 1), 1e-3), np.array([1e6, -1e6])
     solution = Solution(searched, searched.start, residual, slopes, 1.0, 1.0, True)
     tried = []
-    monkeypatch.setattr("ema_twin_sim.fitting.unseen._errors", lambda r, s, models, *rest: tried.append(models))
-    judge(recordings, ["setpoint", "setpoint"], misfit, solution, {})
+    monkeypatch.setattr("ema_twin_sim.fitting.unseen.errors", lambda r, s, models, *rest: tried.append(models))
+    judge(recordings, ["setpoint", "setpoint"], stock, misfit, solution, {})
     values = [model.effects["shaft_compliance"].parameters["stiffness"] for model in tried[1]]
     bounds = searched.numbers[0]
     assert all(bounds.lower <= value <= bounds.upper * (1.0 + 1e-9) for value in values)

@@ -12,7 +12,7 @@ from ema_twin_sim.comparison.beyond_noise import told_share
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.comparison.running_comparison import RunningComparison, share_removed
 from ema_twin_sim.criteria import TOO_MUCH
-from ema_twin_sim.fitting.fit import _doubts
+from ema_twin_sim.fitting.doubts import still_far
 from ema_twin_sim.live.diagnosing.judge import settings_between
 from ema_twin_sim.measured.noise import noise_of
 from ema_twin_sim.simulation.command import parse_command
@@ -117,7 +117,7 @@ def test_live_does_not_say_to_its_noise_where_health_warns(stock):
 def test_fit_leaves_it_to_diagnose_what_is_missing():
     error = {"rmse": 11.0, "noise_floor": 1.0, "unit": "A", "driven": False, "relative": 0.1}
     assert error["rmse"] > TOO_MUCH
-    (note,) = _doubts({"speed": error}, {"speed": error}, False)
+    (note,) = still_far({"speed": error}, False)
     left, what_to_do = note.split(": ")
     assert left == "what is left of the speed is 11 times the sensors' noise"
     assert what_to_do == "diagnose tells whether an effect is missing"

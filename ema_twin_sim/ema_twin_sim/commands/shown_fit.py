@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..quantities import estimate, quantity
 from ..words.parameters import numbers_of, parameter_rows
+from ..words.sentences import change_words
 from .output import console, say, warn
 from .tables import ReportTable
 from .torque_errors import show_torque_errors
@@ -60,18 +61,20 @@ def _constants(found: FitResult) -> ReportTable:
             before, fitted, change = estimate(held["nominal"], None, held["unit"]), "not identifiable", ""
             if held["std"] is not None:
                 fitted = estimate(held["value"], held["std"], held["unit"])
-                change = f"{100.0 * (held['value'] / held['nominal'] - 1.0):+.1f} %"
+                change = change_words(held)
             table.add_row(part, name.replace("_", " "), before, fitted, change)
     return table
 
 
 def errors_table(found: FitResult) -> ReportTable:
-    """Table of the errors before and after, on data that was not fitted to."""
+    """Table of the errors before and after, on data that was not fitted to; without those of signals that drift."""
+    from ..fitting.doubts import tells
+
     table = ReportTable(f"\nErrors: {found.judged_on}")
     table.words("signal")
     table.numbers("RMSE before", "after", "noise floor")
     for signal, error in found.before.items():
-        if not error["driven"]:
+        if tells(signal, error, found.before):
             numbers = (error["rmse"], found.after[signal]["rmse"], error["noise_floor"])
             table.add_row(signal.replace("_", " "), *(quantity(number, error["unit"]) for number in numbers))
     return table

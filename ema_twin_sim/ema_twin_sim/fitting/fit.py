@@ -12,11 +12,9 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
-from ..comparison.beyond_noise import times_noise, times_words
 from ..comparison.compare import shown_errors
-from ..comparison.running_comparison import SignalError
 from ..comparison.torque_error import TorqueError, torque_error
-from ..criteria import CONTRADICTED, NOISY, SMALL, TOO_MUCH
+from ..criteria import CONTRADICTED
 from ..effects import catalogue
 from ..identification.equation import EquationErrorProblem
 from ..measured.consistency import refuse_inconsistent
@@ -30,7 +28,8 @@ from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.own_units import in_si, native_as_given, shown_entry
 from ..simulation.angle_origins import without_common_zero
-from ..simulation.simulate import BY_MOTOR, POINTWISE, choose_input
+from ..simulation.simulate import BY_MOTOR, POINTWISE, choose_input, simulate
+from .doubts import no_nearer, still_far
 from .equation_misfit import LAG, EquationMisfit
 from .findings import Finding, asleep, find, not_given
 from .free_parameters import FreeParameters, choose_numbers, not_by_encoders
@@ -40,7 +39,7 @@ from .simulation_misfit import SimulationMisfit
 from .solver import FINAL, ROUGH, Solution, solve
 from .starts import explored, open_start, structural_starts
 from .uncertainty import Uncertainty, solved, uncertainty, weigh
-from .unseen import Errors, judge
+from .unseen import Errors, errors_of, judge
 
 METHODS = ("equation", "simulation")
 MUCH = 1.5  # change of the row variance after which a fit is repeated
@@ -117,7 +116,9 @@ def fit_model(
     called with a description of each stage. Raises InputError if the recordings cannot be fitted to.
     """
     noise = noise_of(recordings, model)
-    given, rotary = model, operating_point_folds(to_rotary_equivalent(recordings, model)[0])
+    given = model
+    rotary, as_filed = to_rotary_equivalent(recordings, model)
+    rotary = operating_point_folds(rotary)
     recordings, model = to_own_units(recordings, model)
     recordings, awake = operating_point_folds(recordings), model
     model = at_rest(model, recordings)
@@ -138,7 +139,8 @@ def fit_model(
     freedom = choose_numbers(model, free, fix)
     misfit, solution, loosened = _solution(recordings, sources, method, freedom, progress)
     progress("judging on held-out data")
-    before, after, judged_on = judge(rotary, sources, misfit, solution, noise)
+    as_given = as_filed if model.is_open and _runs(as_filed, rotary, sources) else in_si(model)
+    before, after, judged_on = judge(rotary, sources, as_given, misfit, solution, noise)
     sure = uncertainty(misfit, solution)
     untold = not_given(solution, method)
     values = solution.values[: len(freedom.numbers)].copy()
@@ -149,8 +151,12 @@ def fit_model(
     blind = without_common_zero(recordings, fitted.active.values())
     findings += [Finding("recording", recordings[0].name, "", text) for text in blind]
     shown = [k for k, number in enumerate(solution.freedom.numbers) if number.path != LAG]
-    notes = list(freedom.notes)
-    notes += _doubts(before, after, _parts_encoders(fitted))
+    own_before, own_after, before, after = (
+        shown_errors(as_given, each)
+        for each in (*(errors_of(one, rotary, sources, noise) for one in (as_given, in_si(fitted))), before, after)
+    )
+    notes = no_nearer(own_before, own_after, before, after, by_equation=method == "equation") + list(freedom.notes)
+    notes += still_far(after, _parts_encoders(fitted))
     for k in loosened:
         path = model.shown_path(solution.freedom.numbers[k].path)
         notes.append(f"{path}: these recordings contradict its nominal value, which was let go")
@@ -160,8 +166,8 @@ def fit_model(
         sources[0] if len(set(sources)) == 1 else "mixed",
         _parameters(fitted, solution, sure),
         _constants(given, fitted, solution, sure, untold),
-        shown_errors(in_si(model), before),
-        shown_errors(in_si(model), after),
+        before,
+        after,
         judged_on,
         tuple(model.shown_path(solution.freedom.numbers[k].path) for k in shown),
         tuple(tuple(float(sure.correlation[a, b]) for b in shown) for a in shown),
@@ -217,6 +223,16 @@ def _solution(
     return misfit, replace(solution, values=values), loosened
 
 
+def _runs(model: Model, recordings: Sequence[Recording], sources: Sequence[str]) -> bool:
+    """Whether a model whose constants are guesses can be simulated at all."""
+    try:
+        for recording, source in zip(recordings, sources, strict=True):
+            simulate(model, recording, source)
+    except InputError:
+        return False
+    return True
+
+
 def _parts_encoders(model: Model) -> bool:
     """Whether any effect of a model lets its encoders differ."""
     return any(catalogue()[instance.effect].depends_on == "encoders" for instance in model.active.values())
@@ -229,34 +245,6 @@ def _cost(misfit: SimulationMisfit, values: np.ndarray) -> float:
         return misfit.cost(misfit.residual(values))
     except InputError:
         return math.inf
-
-
-def _doubts(before: Errors, after: Errors, hit: bool) -> list[str]:
-    """Notes on a fit with large residuals, or with worse errors on held-out data; ``hit``: whether teeth meet in it."""
-    told = {signal: error for signal, error in after.items() if _tells(signal, error, after)}
-    notes = []
-    worst = max(told, key=lambda s: times_noise(told[s]), default=None)
-    if worst is not None and told[worst]["rmse"] > TOO_MUCH * told[worst]["noise_floor"] > 0.0:
-        times = times_words(times_noise(told[worst]))
-        notes.append(
-            f"what is left of the {worst.replace('_', ' ')} is {times} the sensors' noise: "
-            + ("impact timing off by 1 ms can cause this; " if hit else "")
-            + "diagnose tells whether an effect is missing"
-        )
-    for signal, error in told.items():
-        if error["rmse"] > (1.0 + SMALL) * max(before[signal]["rmse"], NOISY * error["noise_floor"]):
-            said = signal.replace("_", " ")
-            notes.append(f"on what was not fitted to, the {said} is nearer with the model as it was")
-    return notes
-
-
-def _tells(signal: str, error: SignalError, errors: Errors) -> bool:
-    """Whether a signal's error says something about the model: it is no input and does not drift.
-
-    With the current as input, everything but the unexplained torque drifts.
-    """
-    by_current = errors.get("current", {"driven": False})["driven"]
-    return not error["driven"] and (signal == "unexplained_torque" or not by_current)
 
 
 def _contradicted(misfit: Misfit, solution: Solution) -> list[int]:

@@ -28,13 +28,14 @@ Errors = dict[str, SignalError]
 def judge(
     recordings: Sequence[Recording],
     sources: Sequence[str],
+    given: Model,
     misfit: Misfit,
     solution: Solution,
     noise: Mapping[str, float],
 ) -> tuple[Errors, Errors, str]:
-    """(errors before, errors after, what they were judged on): each recording (SI), with parameters from the others.
+    """(errors before, errors after, what they were judged on): each recording, with parameters from the others.
 
-    ``noise`` is the noise floor of the recordings.
+    Before: of the ``given`` model. It and the recordings are in SI; ``noise`` is the noise floor of the recordings.
     """
     if len(recordings) > 1:
         which = np.empty(misfit.rows, int)
@@ -57,12 +58,20 @@ def judge(
         inside = np.clip(found, lower, upper)  # linear extrapolation may lead anywhere
         values = np.array([n.from_solver(x) for n, x in zip(freedom.numbers, inside, strict=True)])
         models.append(in_si(freedom.at(values)))
-    given = [in_si(freedom.model)] * len(recordings)
-    before, after = (_errors(recordings, sources, each, given, first, noise) for each in (given, models))
+    as_given = [given] * len(recordings)
+    before, after = (errors(recordings, sources, each, as_given, first, noise) for each in (as_given, models))
     return before, after, said
 
 
-def _errors(
+def errors_of(
+    model: Model, recordings: Sequence[Recording], sources: Sequence[str], noise: Mapping[str, float]
+) -> Errors:
+    """Errors of a model, pooled over recordings; it and they are in SI. Raises InputError if it cannot be simulated."""
+    alike = [model] * len(recordings)
+    return errors(recordings, sources, alike, alike, [0] * len(recordings), noise)
+
+
+def errors(
     recordings: Sequence[Recording],
     sources: Sequence[str],
     models: Sequence[Model],

@@ -24,7 +24,7 @@ from .drive import lag_gain
 from .driven_output import driven_output
 from .evaluate import evaluate
 from .friction import bristle_share, held_by_dry_friction, rubbing
-from .layout import CURRENT_IN, LOAD_IN, MOTOR_POSITION_IN, MOTOR_POSITION_OUT, SPEED_IN, STATE, UNEXPLAINED_OUT
+from .layout import CURRENT_IN, LOAD_IN, MOTOR_POSITION_IN, MOTOR_POSITION_OUT, SPEED_IN, UNEXPLAINED_OUT
 from .operating_point import OperatingPoint, changed
 from .transmission import end_stop_torque
 
@@ -220,14 +220,14 @@ def estimate(plant, state, effects, time, stamps, bench, twin, step):
 
 
 @njit(cache=True, error_model="numpy")
-def balance_response(plants, interval, has_speed, of_current, count):
+def balance_response(plants, states, interval, has_speed, of_current, count):
     """Response of the unexplained torque [N m] (count,) to an error of 1 A, or 1 rad/s (1 rad), in one sample.
 
     For a turning shaft: only viscous friction enters, since away from standstill the dry level does not depend on
-    noise.
+    noise. ``states`` (1,) are the filters at rest, which change. They are the caller's: an array made here would be
+    freed after its last use, and its record would be read from memory that is used for something else.
     """
-    plant = plants[0]
-    state = np.zeros(1, STATE)[0]
+    plant, state = plants[0], states[0]
     response = np.zeros(count)
     viscous = plant.motor_viscous + plant.output_viscous
     inertia = plant.motor_inertia + plant.output_inertia

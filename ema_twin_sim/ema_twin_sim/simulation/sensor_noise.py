@@ -8,6 +8,7 @@ import numpy as np
 
 from ..model import Model
 from ..plant.balance import balance_response
+from ..plant.layout import STATE
 from .assembly import assemble
 
 _SETTLED = 400  # samples after which one sample's noise has decayed in the balance's filters
@@ -53,6 +54,6 @@ def _count(model: Model, side: str) -> float:
 
 def _balance_noise(model: Model, current: float, motion: float, has_speed: bool, period: float) -> float:
     plant = assemble(model).plant
-    by_current = balance_response(plant, period, has_speed, True, _SETTLED)
-    by_motion = balance_response(plant, period, has_speed, False, _SETTLED)
+    by_current = balance_response(plant, np.zeros(1, STATE), period, has_speed, True, _SETTLED)
+    by_motion = balance_response(plant, np.zeros(1, STATE), period, has_speed, False, _SETTLED)
     return math.hypot(current * float(np.linalg.norm(by_current)), motion * float(np.linalg.norm(by_motion)))

@@ -28,6 +28,7 @@ from ..plant.layout import (
     INPUTS,
     LOAD_IN,
     LOAD_TORQUE_OUT,
+    MOTOR_POSITION_IN,
     MOTOR_POSITION_OUT,
     MOTOR_TORQUE_OUT,
     OUTPUT_POSITION_OUT,
@@ -36,6 +37,7 @@ from ..plant.layout import (
     SETPOINT,
     SETPOINT_IN,
     SETPOINT_OUT,
+    SPEED_IN,
     SPEED_OUT,
     STANDALONE,
     STANDALONE_SPEED,
@@ -265,8 +267,24 @@ class Twin:
             some = slice(first, first + ROWS_AT_A_TIME + 1)
             before = kept(self._state, fine)
             self._run(self._state, fine, stamps[some], bench[some], rows[some])
-            if looks_lost(rows[some][-1]):
+            if looks_lost(rows[some][-1]) and not self._brought_back(bench[some][-1]):
                 self._refuse_divergence(before, stamps[some], bench[some])
+
+    def _brought_back(self, now: np.ndarray) -> bool:
+        """Whether a motion that the current alone drives was set to the measured one, in the bench's sample ``now``.
+
+        Without friction in the model it runs away, which says nothing about the constants, and the unexplained torque
+        is that of the measured motion. Values that are no numbers, and fine transmissions, are left to be refused.
+        """
+        state = self._state[0]
+        moving = ("motor_angle", "motor_speed", "output_angle", "output_speed")
+        if self.source != CURRENT or self._parts.planetary or not np.isfinite([state[name] for name in moving]).all():
+            return False
+        state["motor_speed"] = state["output_speed"] = state["smoothed_speed"] = _known(now[SPEED_IN])
+        off = _known(now[MOTOR_POSITION_IN]) - state["motor_angle"]
+        for angle in ("motor_angle", "output_angle", "encoder_memory"):
+            state[angle] += off
+        return True
 
     def _run(self, state: np.ndarray, fine: Fine, stamps: np.ndarray, bench: np.ndarray, rows: np.ndarray) -> None:
         assembly = self._assembly

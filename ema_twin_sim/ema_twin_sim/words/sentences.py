@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -92,6 +93,8 @@ def left_sentence(unseen: Unseen | UnseenErrors) -> str:
     if not floor > 0.0 or unseen.rmse[-1] <= NOISY * floor:
         return ""
     error = f"the error of the {unseen.signal.replace('_', ' ')}"
+    if not math.isfinite(unseen.rmse[-1]):
+        return f"After the last step {error} is not known: the simulation of a recording ends with these numbers."
     return f"After the last step {error} is still {times_words(unseen.rmse[-1] / floor)} the sensors' noise."
 
 

@@ -1,0 +1,59 @@
+"""Doubts: whether a fit brought a model nearer to its machine, told from the errors before and after."""
+
+from __future__ import annotations
+
+from ..comparison.beyond_noise import times_noise, times_words
+from ..comparison.running_comparison import SignalError
+from ..criteria import NEGLIGIBLE, NOISY, TOO_MUCH
+from ..quantities import quantity
+from .unseen import Errors
+
+
+def no_nearer(own_before: Errors, own_after: Errors, before: Errors, after: Errors, *, by_equation: bool) -> list[str]:
+    """A note if signals are farther off after a fit: on its ``own`` recordings, or else where it was not fitted to.
+
+    Errors are in the units of the model's file. ``by_equation``: the fit left out standstill, which the errors count.
+    """
+    if farther := _farther(own_before, own_after):
+        why = "standstill counts here, and a fit leaves it out" if by_equation else "an effect may be missing"
+        return [
+            f"the fit does not bring the model nearer to these recordings: the error of the {farther}; {why}. Keep the "
+            "model as it was, and let discover look for what is missing"
+        ]
+    if farther := _farther(before, after):
+        return [f"on what was not fitted to, the model as it was is nearer: the error of the {farther}"]
+    return []
+
+
+def still_far(after: Errors, hit: bool) -> list[str]:
+    """A note if an error is still many times the sensors' noise; ``hit``: whether teeth meet in the model."""
+    told = {signal: error for signal, error in after.items() if tells(signal, error, after)}
+    worst = max(told, key=lambda s: times_noise(told[s]), default=None)
+    if worst is None or not told[worst]["rmse"] > TOO_MUCH * told[worst]["noise_floor"] > 0.0:
+        return []
+    times = times_words(times_noise(told[worst]))
+    advice = "diagnose tells whether an effect is missing"
+    if hit:
+        advice = f"impact timing off by 1 ms can cause this; {advice}"
+    return [f"what is left of the {worst.replace('_', ' ')} is {times} the sensors' noise: {advice}"]
+
+
+def tells(signal: str, error: SignalError, errors: Errors) -> bool:
+    """Whether a signal's error says something about the model: it is no input and does not drift.
+
+    With the current as input, everything but the unexplained torque drifts.
+    """
+    by_current = errors.get("current", {"driven": False})["driven"]
+    return not error["driven"] and (signal == "unexplained_torque" or not by_current)
+
+
+def _farther(before: Errors, after: Errors) -> str:
+    """The signals whose errors grew, with both errors; empty if none did."""
+    grew = [
+        f"{signal.replace('_', ' ')} grows from {quantity(before[signal]['rmse'], error['unit'])} to "
+        f"{quantity(error['rmse'], error['unit'])}"
+        for signal, error in after.items()
+        if tells(signal, error, after)
+        and error["rmse"] > (1.0 + NEGLIGIBLE) * max(before[signal]["rmse"], NOISY * error["noise_floor"])
+    ]
+    return ", that of the ".join(grew)
