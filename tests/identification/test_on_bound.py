@@ -1,6 +1,7 @@
 """A number that stands on a bound of its search is no result: discover and fit say so, by one rule."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.estimates import standard_errors
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.hypothesis import null_hypothesis
-from ema_twin_sim.identification.on_bound import on_bounds, reached_bound
+from ema_twin_sim.identification.on_bound import TURNED, on_bounds, reached_bound
 from ema_twin_sim.measured.observation import observe
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
@@ -47,6 +48,15 @@ def test_a_speed_beyond_those_driven_is_on_its_bound(stock):
 def test_a_speed_among_those_driven_is_not(stock):
     told, _ = stribeck_seen(stock, 2.0, "speed-sine:0.1:0.2")
     assert told == ()
+
+
+@pytest.mark.parametrize(("sign", "turned"), [(1.0, False), (-1.0, True)])
+def test_a_torque_that_works_against_inertia_and_friction_has_the_wrong_sign(sign, turned):
+    arm = open_arm()
+    observed = [observe(swing, arm) for swing in swings_of(arm)]
+    problem = EquationErrorProblem([replace(o, torque=sign * o.torque) for o in observed])
+    found = fit(problem, null_hypothesis(arm), 20)
+    assert (TURNED in on_bounds(problem, found, standard_errors(problem, found))) == turned
 
 
 @pytest.mark.parametrize("verb", ["discover", "fit"])

@@ -9,12 +9,16 @@ from ..criteria import NEARLY_ALL, NEGLIGIBLE
 from ..effects import catalogue
 from ..model.constants import CONSTANTS
 from ..model.own_units import shown
-from ..model.roles import DRY_FRICTION
+from ..model.roles import DRY_FRICTION, FRICTION
 from .equation import EquationErrorProblem
 from .fit import Fit
 from .hypothesis import INERTIAS, Free
 
 INERTIA_SHOWN_BY = "hard acceleration: steps, fast sines"
+TURNED = (
+    "inertia and friction are all at their lower bounds, as if the sign of the torque were turned round; check the "
+    "sign of current, torque and positions in the import map (`factor: -1` turns one)"
+)
 START_ELSEWHERE = "or give the model a value nearer to it to start from"
 
 
@@ -27,17 +31,25 @@ def reached_bound(value: float, lower: float, upper: float, std: float, scale: f
 
 
 def on_bounds(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float]) -> tuple[str, ...]:
-    """One sentence for each parameter of an added effect, and each open one of the model, that ended on a bound."""
+    """One sentence for each parameter of an added effect, and each open one of the model, that ended on a bound.
+
+    Before them one on the torque's sign, if the inertia and all friction of an unknown machine ended at their least.
+    """
     h = f.hypothesis
     found = []
+    least = {}  # by open constant: whether it is on its lower bound
     for free, value, lower, upper in zip(h.free, h.values, *problem.bounds(h), strict=True):
         kind, _, rest = free.path.partition(".")
         if free.prior is not None or kind not in ("effects", "scale"):
             continue
         typical = _typical(f, free)
         side = reached_bound(float(value), float(lower), float(upper), sure.get(free.path, math.inf), typical)
+        if kind == "scale" and rest in ("inertia", *FRICTION):
+            least[rest] = side == "lower"
         if side is not None:
             found += _added(f, rest, side) if kind == "effects" else _open(f, rest)
+    if len(least) > 1 and all(least.values()):
+        found.insert(0, TURNED)
     return tuple(found)
 
 
