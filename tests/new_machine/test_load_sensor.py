@@ -57,6 +57,21 @@ def test_a_load_is_what_the_drive_follows(load, shown, used, tmp_path, capsys):
     assert ("the drive's torque does not follow it" in told) != used
 
 
+@pytest.mark.parametrize(("noise", "used"), [(0.0, False), (0.02, True)])
+def test_a_torque_that_is_the_current_times_a_factor_is_no_load(noise, used, tmp_path, capsys):
+    """A drive's estimate looks like a sensor that the drive follows to the last digit; a sensor has noise of its own."""
+    path = trace(tmp_path, wandering, wandering)
+    header = path.read_text().split("\n", 1)[0]
+    table = np.loadtxt(path, delimiter=",", skiprows=1)
+    rng = np.random.default_rng(7)
+    table[:, 4] = 1.314 * table[:, 3] * (1.0 + noise * rng.standard_normal(len(table)))
+    np.savetxt(path, table, "%.7g", ",", header=header, comments="")
+    init(str(tmp_path / "joint"), [path], torque_constant=CONSTANT)
+    told = " ".join(capsys.readouterr().out.split())
+    assert ("joint torque sensor [Nm] → load_torque" in told) == used
+    assert ("it is 1.314 N m/A times the current" in told) != used
+
+
 @pytest.mark.parametrize("constant", [0.076, 760.0])
 def test_no_torque_constant_need_be_known(constant, tmp_path):
     init(str(tmp_path / "a"), [trace(tmp_path, wandering, wandering, constant)])

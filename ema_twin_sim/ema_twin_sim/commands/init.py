@@ -121,8 +121,8 @@ def run(
         for guess in guesses.signals:
             if guess.column not in drafts.left_out:
                 say(f"{guess.column} → {guess.signal}{in_unit(guess)}")
-        for column in drafts.left_out:
-            say(f"{column}: not used as the load, because the drive's torque does not follow it")
+        for column, reason in drafts.left_out.items():
+            say(f"{column}: not used as the load: {reason}")
         warn_of_foreign_units(guesses)
         joint = (guesses.joint.sentence,) if guesses.joint.number else ()
         say_what_it_rests_on(files[1], (*joint, *assumed_units(guesses), *drafts.assumed))

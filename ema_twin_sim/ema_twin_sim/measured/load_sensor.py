@@ -35,6 +35,28 @@ def follows_load(recordings: Sequence[Recording]) -> bool:
     return likeness is None or abs(likeness) >= PART
 
 
+def times_current(recordings: Sequence[Recording]) -> float | None:
+    """The factor [N m/A] by which the load is the current, to the last digits; None if it is not.
+
+    Then no sensor measured it: the drive computed it from the current, and it opposes nothing.
+    """
+    pairs = [
+        np.stack([r.signals["current"], r.signals["load_torque"]])
+        for r in recordings
+        if r.has("current") and r.has("load_torque")
+    ]
+    if not pairs:
+        return None
+    current, load = np.concatenate(pairs, axis=1)
+    known = np.isfinite(current) & np.isfinite(load)
+    current, load = current[known], load[known]
+    if len(load) < FEWEST_ROWS or np.ptp(load) == 0.0:  # two constants tell nothing
+        return None
+    factor = float(current @ load / (current @ current))
+    rest = load - factor * current
+    return factor if rest @ rest <= NEGLIGIBLE**4 * float(np.sum((load - load.mean()) ** 2)) else None
+
+
 def falls_with_load(recordings: Sequence[Recording]) -> bool:
     """Whether the drive's torque falls where the load rises, so that the sensor has the opposite sign.
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -14,8 +15,9 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import AT_EITHER_SHAFT, MOTION, Recording
 from ema_bench_replay.traces.import_map import load_map
+from ema_bench_replay.units import unit_in
 
-from ..measured.load_sensor import falls_with_load, follows_load
+from ..measured.load_sensor import falls_with_load, follows_load, times_current
 from ..model import load_model
 from ..model.constants import CONSTANTS
 from .columns import Guess, Guesses
@@ -28,14 +30,14 @@ from .unit_questions import questions_about_units
 
 class Drafts(NamedTuple):
     """Texts of a map and a model; questions about the recording's units; what was assumed from usual sizes; the columns
-    of guesses that the map leaves out; and what is wrong with the recordings, as they are read with this map.
+    of guesses that the map leaves out, and why; and what is wrong with the recordings, as they are read with this map.
     """
 
     map: str
     model: str
     questions: tuple[str, ...] = ()
     assumed: tuple[str, ...] = ()
-    left_out: tuple[str, ...] = ()
+    left_out: Mapping[str, str] = MappingProxyType({})
     warnings: tuple[str, ...] = ()
 
 
@@ -55,9 +57,10 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         return Drafts(drafted, checked_model((recording,), given, shaft).text)
     for recording in recordings:
         _refuse_slow_samples(recording, guesses)
-    left_out = () if follows_load(recordings) else tuple(g.column for g in guesses.signals if g.signal == "load_torque")
+    reason = _no_load(recordings, guesses.motion)
+    left_out = {guess.column: reason for guess in guesses.signals if reason and guess.signal == "load_torque"}
     if left_out:
-        guesses = guesses.without(left_out)
+        guesses = guesses.without(tuple(left_out))
         recordings = _read(draft_map(guesses, of, shaft), traces)
     assumed = []
     if falls_with_load(recordings):
@@ -87,6 +90,17 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     asked = (*questions, *model.questions)
     warnings = tuple(warning for recording in recordings for warning in recording.warnings)
     return Drafts(draft_map(guesses, of, shaft), model.text, asked, (*assumed, *model.assumed), left_out, warnings)
+
+
+def _no_load(recordings: Sequence[Recording], motion: str) -> str:
+    """Why a column that is named like a load is none; empty if it may be one, or if there is none."""
+    factor = times_current(recordings)
+    if factor is not None:
+        constant = f"{factor:.4g} {unit_in('N m/A', motion)}"
+        return (
+            f"it is {constant} times the current, so the drive computed it (give --torque-constant to use that factor)"
+        )
+    return "" if follows_load(recordings) else "the drive's torque does not follow it"
 
 
 def _turned_round(guess: Guess) -> Guess:
