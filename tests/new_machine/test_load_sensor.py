@@ -59,7 +59,7 @@ def test_a_load_is_what_the_drive_follows(load, shown, used, tmp_path, capsys):
 
 @pytest.mark.parametrize(("noise", "used"), [(0.0, False), (0.02, True)])
 def test_a_torque_that_is_the_current_times_a_factor_is_no_load(noise, used, tmp_path, capsys):
-    """A drive's estimate looks like a sensor that the drive follows to the last digit; a sensor has noise of its own."""
+    """A drive's estimate looks like a sensor that it follows to the last digit; a sensor has noise of its own."""
     path = trace(tmp_path, wandering, wandering)
     header = path.read_text().split("\n", 1)[0]
     table = np.loadtxt(path, delimiter=",", skiprows=1)
