@@ -56,8 +56,9 @@ def run(
     console.print(f"[bold]{name}[/bold] added to {before.name}, written to {output}", soft_wrap=True)
     for parameter in found.parameters:
         given = "given" if parameter.name in parameters else "typical value, not fitted"
-        unit = "" if parameter.unit == "1" else f" {parameter.unit}"
-        console.print(f"  {parameter.name} = {instance.parameters[parameter.name]:g}{unit} ({given})")
+        unit = after.parameter_unit(found.id, parameter.name)
+        named = "" if unit == "1" else f" {unit}"
+        console.print(f"  {parameter.name} = {instance.parameters[parameter.name]:g}{named} ({given})")
     for option, choice in instance.options.items():
         console.print(f"  {option} = {choice}")
     if own:

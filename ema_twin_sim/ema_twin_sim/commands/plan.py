@@ -46,23 +46,32 @@ def run(
     max_speed: Annotated[
         float | None,
         typer.Option(
-            metavar="RAD_PER_S",
-            parser=options.number(1e-9, options.LARGEST, "rad/s"),
-            help="Limit of the output's speed, rad/s.",
+            metavar="SPEED",
+            parser=options.number(1e-9, options.LARGEST, "rad/s (m/s if linear)"),
+            help="Limit of the output's speed, rad/s (m/s if the machine is linear).",
         ),
     ] = None,
     max_travel: Annotated[
         float | None,
         typer.Option(
-            metavar="RAD",
-            parser=options.number(1e-9, options.LARGEST, "rad"),
-            help="Limit of the output's travel from the start in either direction, rad.",
+            metavar="TRAVEL",
+            parser=options.number(1e-9, options.LARGEST, "rad (m if linear)"),
+            help="Limit of the output's travel from the start in either direction, rad (m if the machine is linear).",
         ),
     ] = None,
     max_current: Annotated[
         float | None,
         typer.Option(
             metavar="A", parser=options.number(1e-9, options.LARGEST, "A"), help="Limit of the motor's current, A."
+        ),
+    ] = None,
+    max_torque: Annotated[
+        float | None,
+        typer.Option(
+            metavar="TORQUE",
+            parser=options.number(1e-9, options.LARGEST, "N m (N if linear)"),
+            help="Limit of the motor's torque, N m (force, N, if the machine is linear); for recordings without a"
+            " current.",
         ),
     ] = None,
     with_files: options.WithFiles = None,
@@ -78,9 +87,11 @@ def run(
     those that the recordings so far could not show.
 
     The command stays within the recorded speed, travel and current, unless only a larger one resolves more doubts or
-    shows more effects; plan then says so. Without end stops in the model, the travel is limited to what twice the
-    recorded speed covers in one recording, or to twice the recorded travel. A limit given as an option replaces the
-    recorded one and is never exceeded.
+    shows more effects; plan then says so. It asks for twice the recorded current and speed at most; for more speed only
+    if the model states the drive's speed limit. Without end stops in the model, a carriage keeps to the recorded
+    travel, and a shaft to twice that; if the model states the drive's speed limit, a shaft may turn as far as twice the
+    recorded speed leads in one recording. A limit given as an option replaces the recorded one and is never exceeded;
+    the others then stay as recorded.
     """
     from ema_bench_replay.errors import InputError
     from ema_bench_replay.outputs import new_file
@@ -95,15 +106,19 @@ def run(
         raise InputError(f"{output}: unknown kind of command file '{output.suffix}'; name it .yaml")
     refuse_existing(force, output)
     given = read_judged(runs, model, with_files, without, import_map=import_map, start=start, end=end, strict=strict)
-    limits = _limits(given.recordings, given.model, max_speed, max_travel, max_current)
+    limits = _limits(given.recordings, given.model, max_speed, max_travel, max_current, max_torque)
     with status() as progress:
         found = plan(given.recordings, given.model, without=given.without, limits=limits, progress=progress)
-    show(found)
+    show(found, given.model.motion)
     if found.proposal is not None:
         if output is not None:
             with new_file(output, force=force) as file:
-                file.write(write_command(found.proposal.command, found.proposal.seconds, found.proposal.why))
-        _show_how(found.proposal, model, given.model.value("machine.gear_ratio"), output, with_files or ())
+                file.write(
+                    write_command(
+                        found.proposal.command, found.proposal.seconds, found.proposal.why, given.model.motion
+                    )
+                )
+        _show_how(found.proposal, model, given.model, output, with_files or ())
     elif output is not None:
         console.print(f"\n{output} is not written: there is no command to write.", markup=False, soft_wrap=True)
     warn_of(found.warnings, given.recordings)
@@ -111,25 +126,53 @@ def run(
 
 
 def _limits(
-    recordings: Sequence[Recording], model: Model, speed: float | None, travel: float | None, current: float | None
+    recordings: Sequence[Recording],
+    model: Model,
+    speed: float | None,
+    travel: float | None,
+    current: float | None,
+    torque: float | None,
 ) -> Limits | None:
     """What the recordings have driven, with the given limits in its place; None if no limit is given."""
-    from ..discovery.experiment.bench_limits import driven_limits
-    from ..measured.observation import observe
+    from ..discovery.experiment.bench_limits import recorded_limits
 
-    if speed is None and travel is None and current is None:
+    if speed is None and travel is None and current is None and torque is None:
         return None
-    driven = driven_limits([observe(recording, model) for recording in recordings], model.value("machine.gear_ratio"))
+    driven = recorded_limits(recordings, model)
+    loads = _currents(driven, model, current, torque)
     return replace(
         driven,
         speed=driven.speed if speed is None else speed,
         lower=driven.lower if travel is None else -travel,
         upper=driven.upper if travel is None else travel,
-        current=driven.current if current is None else current,
+        current=min(loads, default=driven.current),
     )
 
 
-def show(found: Plan) -> None:
+def _currents(driven: Limits, model: Model, current: float | None, torque: float | None) -> list[float]:
+    """The given limits of current [A] and torque [N m or N], as currents [A].
+
+    Raises InputError if the recordings, or the torque constant that is missing, give one of them no meaning.
+    """
+    from ema_bench_replay.errors import InputError
+
+    from ..model.model_file import ABSENT, TORQUE_CONSTANT
+
+    constant, (kind, _, unit) = driven.torque_constant, driven.load
+    if torque is not None and constant is None:
+        raise InputError("--max-torque: the recordings hold a current; give --max-current, in A")
+    if current is not None and constant is not None and model.constants[TORQUE_CONSTANT].source == ABSENT:
+        raise InputError(
+            f"--max-current: the recordings hold no current but a {kind}, and model {model.name} has no torque "
+            f"constant; give --max-torque, in {unit}"
+        )
+    return [
+        *([] if current is None else [current]),
+        *([] if torque is None or constant is None else [torque / constant]),
+    ]
+
+
+def show(found: Plan, motion: str) -> None:
     """Print what is in doubt, the proposal with its runners-up, and what no command can distinguish."""
     from ..simulation.command import in_words
 
@@ -150,12 +193,13 @@ def show(found: Plan) -> None:
     proposal = found.proposal
     if proposal is not None:
         console.print(f"\n[bold]Record next: {proposal.command}[/bold] for {proposal.seconds:g} s", soft_wrap=True)
-        console.print(f"  {in_words(proposal.command)}", markup=False, soft_wrap=True)
+        console.print(f"  {in_words(proposal.command, motion)}", markup=False, soft_wrap=True)
         console.print(f"  {_spoken(proposal.why)}", markup=False, soft_wrap=True)
         if proposal.beyond:
+            load = "--max-current" if found.limits.torque_constant is None else "--max-torque"
             console.print(
                 f"  beyond what was recorded so far: {'; '.join(proposal.beyond)}. Make sure that the bench allows it"
-                " and nothing stops the output on the way, or give --max-speed, --max-travel or --max-current.",
+                f" and nothing stops the output on the way, or give --max-speed, --max-travel or {load}.",
                 markup=False,
                 soft_wrap=True,
             )
@@ -208,18 +252,29 @@ def _spoken(text: str) -> str:
     return f"{words[0].upper()}{words[1:]}."
 
 
-def _show_how(proposal: Proposal, model: str, ratio: float, output: Path | None, with_files: Sequence[Path]) -> None:
-    """Print how to run the command on the bench and on the virtual bench."""
+def _show_how(proposal: Proposal, name: str, model: Model, output: Path | None, with_files: Sequence[Path]) -> None:
+    """Print how to run the command on the bench and on the virtual bench; ``name`` is how the model was given."""
+    from ..simulation.simulate import has_speed_controller
+
     given = proposal.command if output is None else str(output)
     own = "".join(f" --with {file}" for file in with_files)
+    ratio = model.value("machine.gear_ratio")
+    at_motor = "" if model.is_direct else f" (of the motor: {ratio:g} times that)"
     console.print(
-        "\nRun it on the bench, as the setpoint of the output"
-        f" (of the motor: {ratio:g} times that), and give its recording to discover with the others.",
+        f"\nRun it on the bench, as the setpoint of the output{at_motor}, and give its recording to discover with the"
+        " others.",
         soft_wrap=True,
     )
+    if not has_speed_controller(model):
+        console.print(
+            "The model has no speed controller and cannot simulate the command first: begin on the bench with a smaller"
+            " one.",
+            soft_wrap=True,
+        )
+        return
     console.print("To simulate it with this model first:", soft_wrap=True)
     console.print(
-        f"  ema-twin simulate --model {model} --command {given} --seconds {proposal.seconds:g}{own} -o next.mcap",
+        f"  ema-twin simulate --model {name} --command {given} --seconds {proposal.seconds:g}{own} -o next.mcap",
         markup=False,
         soft_wrap=True,
     )

@@ -17,7 +17,7 @@ from ..measured.consistency import inconsistencies
 from ..measured.noise import noise_of
 from ..measured.scales import standstill, to_own_units, to_rotary_equivalent
 from ..model import Model
-from ..model.matching import BY_TORQUE
+from ..model.matching import by_torque
 from ..model.own_units import shown
 from ..parallel import simulations
 from ..simulation.angle_origins import angle_origins, without_common_zero
@@ -144,7 +144,7 @@ def compare(
         progress(recording.name)
     constant = model.value("machine.torque_constant")
     torques = {"current": constant, "motor_torque": 1.0, "unexplained_torque": 1.0}
-    if _by_torque(recordings):
+    if by_torque(recordings):
         stretches["motor_torque"] = [replace(s, residual=times(s.residual, constant)) for s in stretches.pop("current")]
     where = [
         dependence
@@ -278,14 +278,9 @@ def _dependences(
     return find_dependences(name, unit, native, torque, motion="linear", standstill=slow * way)
 
 
-def _by_torque(recordings: Sequence[Recording]) -> bool:
-    """Whether no recording has a current: then errors are those of the drive's torque."""
-    return all(BY_TORQUE in recording.metadata for recording in recordings)
-
-
 def _of_the_drive(model: Model, signals: Signals, recordings: Sequence[Recording]) -> Signals:
     """The errors, with the current's given as the drive's torque if no recording has a current."""
-    if not _by_torque(recordings):
+    if not by_torque(recordings):
         return signals
     constant = model.value("machine.torque_constant")
     found: Signals = {}

@@ -20,7 +20,7 @@ from .discover import discover, excluded_effects
 from .experiment.bench_limits import Limits, driven_limits
 from .experiment.detection import Detection, Showing
 from .experiment.doubts import NOTHING, doubts
-from .experiment.next_command import Proposal, best_command, signals_of
+from .experiment.next_command import Proposal, best_command
 from .experiment.rival_field import Pair
 
 
@@ -114,7 +114,7 @@ def plan(
         problem,
         found.search.fit,
         held,
-        signals_of(found.recordings),
+        found.recordings,
         detection=detection,
         limits=limits,
         few=found.search.fit.parted,  # a gearbox takes too long to try every command
@@ -127,7 +127,7 @@ def plan(
         choice.best,
         choice.runners_up,
         choice.inseparable,
-        allowed.shown(own),
+        allowed.shown(own, found.recordings),
         found.depends_on,
         found.warnings,
     )

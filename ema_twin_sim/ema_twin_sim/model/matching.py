@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -67,6 +67,11 @@ def matched(recording: Recording, model: Model) -> Recording:
     if signals.keys() == recording.signals.keys() and metadata == recording.metadata:
         return recording
     return replace(recording, signals=signals, motor_angle_origin=origin, metadata=metadata, warnings=warnings)
+
+
+def by_torque(recordings: Sequence[Recording]) -> bool:
+    """Whether no matched recording has a current: then the drive is told by its torque."""
+    return all(BY_TORQUE in recording.metadata for recording in recordings)
 
 
 def _way(speed: np.ndarray, time: np.ndarray) -> np.ndarray:

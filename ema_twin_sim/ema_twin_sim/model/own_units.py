@@ -82,8 +82,7 @@ def native(model: Model) -> Model:
     """A model in own units converted to native units; any other model unchanged."""
     if model.units is None:
         return model
-    motion = "rotary" if model.units.radius is None else "linear"
-    return replace(_scaled(model, model.units, 1), motion=motion, units=None)
+    return replace(_scaled(model, model.units, 1), motion=shown_motion(model), units=None)
 
 
 def in_si(model: Model) -> Model:
@@ -128,12 +127,17 @@ def recording_in(recording: Recording, units: OwnUnits) -> Recording:
     )
 
 
+def shown_motion(model: Model) -> str:
+    """The motion of a model's machine: a drum stands for a linear one."""
+    if model.units is None:
+        return model.motion
+    return "rotary" if model.units.radius is None else "linear"
+
+
 def shown(model: Model, value: float, unit: str) -> tuple[float, str]:
     """A value of a model and its (rotary) unit converted for display: SI, linear units for a carriage."""
-    if model.units is None:
-        return value, unit_in(unit, model.motion)
-    linear = model.units.radius is not None
-    return value * model.units.factor(unit), unit_in(unit, "linear" if linear else "rotary")
+    factor = 1.0 if model.units is None else model.units.factor(unit)
+    return value * factor, unit_in(unit, shown_motion(model))
 
 
 def told(model: Model, value: float, unit: str) -> float:

@@ -16,6 +16,7 @@ import yaml
 
 from ema_bench_replay.checked_yaml import Checker, read_yaml
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.units import unit_in
 
 from ..listing import number_of
 
@@ -127,18 +128,20 @@ def _shape(shape: str, values: list[float], start: float, phase: float) -> Calla
     return lambda t: start + size * (np.mod(t + shift, 2.0 * half) < half)
 
 
-def in_words(text: str) -> str:
-    """``KIND:A[:B]`` in words: ``position: a triangle of ±0.04 rad/s that turns every 2 s``."""
+def in_words(text: str, motion: str = "rotary") -> str:
+    """``KIND:A[:B]`` in words: ``position: a triangle of ±0.04 rad/s that turns every 2 s``; m/s if linear."""
     kind, *numbers = parse_command(text).text.split(":")
     speed = kind.startswith("speed-")
-    words = _WORDS[kind.removeprefix("speed-")].format(*map(float, numbers), unit="rad/s" if speed else "rad")
-    return f"{'speed' if speed else 'position'} of the output: {words.replace('rad/s/s', 'rad/s²')}"
+    words = _WORDS[kind.removeprefix("speed-")].format(
+        *map(float, numbers), unit=unit_in("rad/s" if speed else "rad", motion)
+    )
+    return f"{'speed' if speed else 'position'} of the output: {words.replace('/s/s', '/s²')}"
 
 
-def write_command(text: str, seconds: float, why: str) -> bytes:
+def write_command(text: str, seconds: float, why: str, motion: str = "rotary") -> bytes:
     """A YAML file for ``parse_command``, for a command to be recorded for ``seconds`` s."""
     content = {"version": 1, "command": text, "seconds": seconds, "why": why}
-    head = f"# {in_words(text)}\n"
+    head = f"# {in_words(text, motion)}\n"
     return (head + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=120)).encode()
 
 

@@ -67,13 +67,17 @@ def choose_input(recording: Recording, model: Model, wanted: str | None = None) 
 
 def input_by_signals(setpoint: bool, current: bool, model: Model) -> str:
     """The default input for a bench that has a setpoint, a current, or both."""
-    has_controller = model.value("drive.speed_gain") > 0.0
-    return "setpoint" if setpoint and (has_controller or not current) else "current"
+    return "setpoint" if setpoint and (has_speed_controller(model) or not current) else "current"
+
+
+def has_speed_controller(model: Model) -> bool:
+    """Whether a model's drive can follow a setpoint."""
+    return model.value("drive.speed_gain") > 0.0
 
 
 def refuse_without_speed_controller(model: Model) -> None:
     """Raise InputError if a model's drive has no speed controller, so that its twin would stand still."""
-    if not model.value("drive.speed_gain") > 0.0:
+    if not has_speed_controller(model):
         raise InputError(
             f"model {model.name}: has no speed controller, so that its twin would stand still; give "
             "it drive.speed_gain and drive.integral_time, or drive it by the measured current where there is one"

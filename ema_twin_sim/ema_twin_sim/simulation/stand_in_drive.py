@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..model import Model
+from .simulate import has_speed_controller
 
 QUICKER = 0.1
 """Bandwidth of the speed loop relative to the sample rate, and of the position loop relative to the speed loop."""
@@ -10,7 +11,7 @@ QUICKER = 0.1
 
 def with_stand_in_drive(model: Model) -> Model:
     """The model, with a speed and a position controller added if its drive has no gains."""
-    if model.value("drive.speed_gain") > 0.0:
+    if has_speed_controller(model):
         return model
     inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
     bandwidth = QUICKER / model.value("sensors.sample_period")  # rad/s

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ema_bench_replay.recording import Recording
 from ema_bench_replay.units import unit_in
 
 from ...criteria import LARGEST_EFFECT, MOSTLY, SMALL
-from ...measured.observation import Observation
+from ...measured.observation import Observation, observe_all
+from ...measured.scales import to_own_units
 from ...model import Model
-from ...model.own_units import shown
+from ...model.matching import by_torque
+from ...model.model_file import ABSENT
+from ...model.own_units import shown, shown_motion
 from ...plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED
 
 _SLACK = {"speed": 1.05, "acceleration": 1.15, "current": 1.1}  # a simulation differs slightly from the bench
@@ -32,29 +36,39 @@ class Limits:
     upper: float
     current: float
     motion: str = "rotary"  # or linear: m instead of rad
+    torque_constant: float | None = None  # N m/A (N/A), if the drive is told by its torque instead of a current
 
-    def shown(self, model: Model) -> Limits:
-        """Convert limits in a model's own units to SI."""
-        return self._times(model, 1)
+    def shown(self, model: Model, recordings: Sequence[Recording]) -> Limits:
+        """Convert limits in a model's own units to SI; matched ``recordings`` say whether a torque is told."""
+        constant = shown(model, model.value("machine.torque_constant"), "N m/A")[0]
+        told_constant = constant if by_torque(recordings) else None
+        return replace(self._times(model, 1), motion=shown_motion(model), torque_constant=told_constant)
 
     def told(self, model: Model) -> Limits:
         """Convert limits in SI to a model's own units."""
-        return self._times(model, -1)
+        return replace(self._times(model, -1), motion="rotary", torque_constant=None)
 
     def _times(self, model: Model, sign: int) -> Limits:
         units = {"speed": "rad/s", "acceleration": "rad/s^2", "lower": "rad", "upper": "rad", "current": "A"}
         factors = {name: shown(model, 1.0, unit)[0] ** sign for name, unit in units.items()}
-        linear = sign > 0 and model.units is not None and model.units.radius is not None
-        values = {name: getattr(self, name) * factor for name, factor in factors.items()}
-        return Limits(**values, motion="linear" if linear else "rotary")
+        return replace(self, **{name: getattr(self, name) * factor for name, factor in factors.items()})
+
+    @property
+    def load(self) -> tuple[str, float, str]:
+        """Name, size and unit of what loads the drive: its current, or its torque (force) if that is recorded."""
+        if self.torque_constant is None:
+            return "current", self.current, "A"
+        unit = unit_in("N m", self.motion)
+        return "force" if unit == "N" else "torque", self.torque_constant * self.current, unit
 
     def as_json(self) -> dict[str, object]:
         """SI units."""
+        load, size, unit = self.load
         return {
             "speed": {"value": self.speed, "unit": unit_in("rad/s", self.motion)},
             "acceleration": {"value": self.acceleration, "unit": unit_in("rad/s^2", self.motion)},
             "travel": {"lower": self.lower, "upper": self.upper, "unit": unit_in("rad", self.motion)},
-            "current": {"value": self.current, "unit": "A"},
+            load: {"value": size, "unit": unit},
         }
 
     def effort(self, done: Limits) -> float:
@@ -71,28 +85,37 @@ class Limits:
 
     def exceeded(self, done: Limits) -> tuple[str, ...]:
         """The limits (SI) that ``done`` exceeds, with the value reached and the limit."""
+        load, limit_of_load, unit_of_load = self.load
         found = [
-            f"{name} {reached:.2g} {unit_in(unit, self.motion).replace('^2', '²')} (so far {limit:.2g})"
-            for name, reached, limit, unit in (
-                ("speed", done.speed, self.speed, "rad/s"),
-                ("acceleration", done.acceleration, self.acceleration, "rad/s^2"),
-                ("current", done.current, self.current, "A"),
+            f"{name} {_brief(reached)} {unit_in(unit, self.motion).replace('^2', '²')} (so far {_brief(limit)})"
+            for name, slack, reached, limit, unit in (
+                ("speed", _SLACK["speed"], done.speed, self.speed, "rad/s"),
+                ("acceleration", _SLACK["acceleration"], done.acceleration, self.acceleration, "rad/s^2"),
+                (load, _SLACK["current"], done.load[1], limit_of_load, unit_of_load),
             )
-            if reached > _SLACK[name] * limit
+            if reached > slack * limit
         ]
         slack = _SLACK_TRAVEL * (self.upper - self.lower)
         if done.upper > self.upper + slack or done.lower < self.lower - slack:
             way = unit_in("rad", self.motion)
-            found.append(
-                f"travel from {done.lower:.2g} to {done.upper:.2g} {way} (so far {self.lower:.2g} to {self.upper:.2g}"
-                f"{self._further(done)})"
-            )
+            found.append(f"travel from {_from_to(done)} {way} (so far {_from_to(self)}{self._further(done)})")
         return tuple(found)
 
     def _further(self, done: Limits) -> str:
         """How many times longer the travel was; empty if it was not longer."""
         times = (done.upper - done.lower) / max(self.upper - self.lower, _NONE)
         return f", {times:.2g} times as far" if times > 1.0 + _SLACK_TRAVEL else ""
+
+
+def _brief(value: float) -> str:
+    """Two digits, without an exponent unless the number is tiny or huge."""
+    return f"{float(f'{value:.2g}'):g}"
+
+
+def _from_to(limits: Limits) -> str:
+    """``-0.2 to 3``; an end as close to the start as a simulation is to the bench is the start."""
+    slack = _SLACK_TRAVEL * (limits.upper - limits.lower)
+    return " to ".join("0" if abs(end) < slack else _brief(end) for end in (limits.lower, limits.upper))
 
 
 def reached(o: Observation, ratio: float) -> Limits:
@@ -117,14 +140,26 @@ def driven_limits(observations: Sequence[Observation], ratio: float) -> Limits:
     )
 
 
+def recorded_limits(recordings: Sequence[Recording], model: Model) -> Limits:
+    """What recordings of a model's machine have reached, in SI, as its file tells it.
+
+    Raises InputError if they cannot be judged.
+    """
+    matched, own = to_own_units(recordings, model)
+    return driven_limits(observe_all(matched, own), own.value("machine.gear_ratio")).shown(own, matched)
+
+
 def widened(limits: Limits, model: Model, origin: float, faster: float = LARGEST_EFFECT) -> Limits:
     """Limits for a bench that can do more than it has done: up to twice the current.
 
     The current is what loads drive, motor and gears. A slow recording says nothing about how fast a bench may turn: the
-    speed is limited by the current that friction then takes, and to ``faster`` times the driven speed. Speed and
-    current stay well below the drive's own limits, and travel ends before the model's end stops. A bench may have stops
-    that its model lacks. So without stops in the model, travel either way is at most the larger of two: the total
-    travel so far, and the distance that up to twice the speed so far covers in the usual time.
+    speed is limited by the current that friction then takes, and to ``faster`` times the driven speed; to twice that if
+    the model does not state the drive's own limit. Speed and current stay well below the drive's own limits, and travel
+    ends before the model's end stops.
+
+    A bench may have stops that its model lacks, and a carriage always has: without stops in the model it keeps to the
+    way that it went. A shaft may turn either way as far as the total travel so far. If the model states the drive's own
+    limit, it may also turn as far as up to twice the speed so far leads in the usual time.
 
     ``origin`` [rad] is the output's angle at the start, relative to which the model's end stops are placed.
     """
@@ -135,8 +170,14 @@ def widened(limits: Limits, model: Model, origin: float, faster: float = LARGEST
         infinite if stop is None else stop.value - origin
         for stop, infinite in zip(stops, (-math.inf, math.inf), strict=True)
     )
+    stated = model.constants["drive.speed_limit"].source != ABSENT
+    faster = faster if stated else min(faster, LARGEST_EFFECT)
     speed = min(faster * limits.speed, MOSTLY * model.value("drive.speed_limit") / ratio)
-    unknown = max(limits.upper - limits.lower, min(LARGEST_EFFECT * limits.speed, speed) * _LONG)
+    unknown = limits.upper - limits.lower
+    if shown_motion(model) == "linear":
+        unknown = 0.0
+    elif stated:
+        unknown = max(unknown, min(LARGEST_EFFECT * limits.speed, speed) * _LONG)
     below, above = (unknown if stop is None else speed * _LONG for stop in stops)
     return Limits(
         speed,

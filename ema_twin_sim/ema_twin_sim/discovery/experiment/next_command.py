@@ -70,7 +70,7 @@ def best_command(
     problem: EquationErrorProblem,
     found: Fit,
     held: Sequence[Doubt],
-    signals: frozenset[str],
+    recordings: Sequence[Recording],
     *,
     detection: Detection | None = None,
     limits: Limits | None = None,
@@ -80,11 +80,11 @@ def best_command(
     """The command that decides most doubts about ``found``, with the largest minimum separation.
 
     With ``detection``, among those the one that shows most of what the recordings so far do not show; ``held`` may then
-    be empty. ``signals`` are those that the bench records; ``limits`` are in own units. Without limits, the command
-    stays within what the recordings have driven, unless only a command beyond that decides more doubts or shows more
-    effects. ``few`` tries only a handful.
+    be empty. ``recordings`` are the matched ones, whose signals the bench records; ``limits`` are in own units. Without
+    limits, the command stays within what the recordings have driven, unless only a command beyond that decides more
+    doubts or shows more effects. ``few`` tries only a handful.
     """
-    field = RivalField(problem, found, held, signals, detection)
+    field = RivalField(problem, found, held, _signals_of(recordings), detection)
     allowed = limits or driven_limits(problem.observations, field.base.value("machine.gear_ratio"))
     tried = _evaluate_all(field, allowed, few, (), progress)
     if limits is None and (detection is not None or not any(_decides_all(e) for e in tried)):
@@ -111,7 +111,8 @@ def best_command(
     proposals = []
     for k, e in enumerate(chosen[: 1 + _RUNNERS_UP]):
         shows = _shows(e, so_far)
-        beyond = allowed.shown(field.base).exceeded(e.done.shown(field.base)) if limits is None else ()
+        driven, then = (of.shown(field.base, recordings) for of in (allowed, e.done))
+        beyond = driven.exceeded(then) if limits is None else ()
         why = field.why(e, shows) if k == 0 else ""
         hides = () if e.showing is None else e.showing.hidden()
         proposals.append(Proposal(e.trial.asked, e.trial.lasts, e.separation, beyond, why, shows, hides))
@@ -221,6 +222,6 @@ def _varied(ranked: Sequence[Evaluated]) -> list[Evaluated]:
     return sorted(ranked, key=lambda e: first[e.trial.kind] is not e)
 
 
-def signals_of(recordings: Sequence[Recording]) -> frozenset[str]:
+def _signals_of(recordings: Sequence[Recording]) -> frozenset[str]:
     """The signals that all recordings have."""
     return frozenset.intersection(*(frozenset(recording.signals) for recording in recordings))

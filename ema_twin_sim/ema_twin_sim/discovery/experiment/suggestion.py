@@ -17,7 +17,7 @@ from ...plant.measured_motion import SPEED
 from ..search.rivals import Rivalry
 from ..search.trace import Search
 from .doubts import NOTHING, doubts
-from .next_command import best_command, signals_of
+from .next_command import best_command
 
 SLOW, FAST = 1000, 250
 """Samples from one reversal to the next. Without torque data, the sample rate is the only measure of how quick a
@@ -40,11 +40,11 @@ def suggest(
         return ""
     if any(recording.of_points for recording in recordings):
         return "a motion, slow and fast, in both directions: operating points show no more"
-    choice = best_command(problem, found.fit, held, signals_of(recordings), few=True)
+    choice = best_command(problem, found.fit, held, recordings, few=True)
     if choice.best is None:
         names = [name for name in dict.fromkeys(n for d in held for n in d.names) if name != NOTHING]
         said = f"tells {listed(names)} apart" if len(names) > 1 else f"shows whether {names[0]} is there too"
-        return f"none of the commands that were tried {said}".replace("_", " ")
+        return f"none of the commands that were tried {said}; plan tries more".replace("_", " ")
     further = f"; beyond what was recorded, see that the bench allows it: {', '.join(choice.best.beyond)}"
     beyond = further if choice.best.beyond else ""
     return f"{choice.best.command} for {choice.best.seconds:g} s: {choice.best.why}{beyond}"
