@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 
+from ema_bench_replay.traces.header_words import COUNTS
 from ema_bench_replay.units import signal_unit
 
 from ..model.check_comment import CHECK, check_comment
 from .columns import Guess, Guesses
-from .header_words import COUNTS
 from .shaft import Shaft
 
 ASSUMED_COUNTS = 4096

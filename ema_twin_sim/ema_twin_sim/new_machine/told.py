@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from ema_bench_replay.traces.header_words import COUNTS, header_words
 from ema_bench_replay.units import signal_unit, units_of
 
 from ..model import Model
@@ -11,7 +12,6 @@ from ..model.check_comment import ASSUMED
 from ..model.model_file import ABSENT
 from ..quantities import quantity
 from .columns import Guess, Guesses
-from .header_words import COUNTS, header_words
 from .model_draft import AS_FINE_AS_NOISE
 
 _TOLD = {
