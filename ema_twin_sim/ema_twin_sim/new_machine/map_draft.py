@@ -58,7 +58,7 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
         return check_comment("; ".join(filter(None, (at, shaft.doubt if of_position else guess.shaft_doubt))))
 
     if guess.unit == COUNTS:
-        doubt = look(guess.doubt if guess.counts else "counts per turn (all edges counted)")
+        doubt = look(guess.doubt if guess.counts else "give the counts per turn, all edges counted")
         return (
             f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], counts_per_revolution: "
             f"{guess.counts or ASSUMED_COUNTS:g}{of_output}}}{doubt}"
