@@ -208,3 +208,16 @@ def test_the_json_has_the_keys_that_others_rely_on(stock, recordings):
     assert list(content["recordings"][0]) == ["name", "samples", "duration", "signals"]
     assert list(content["overall"]["current"]) == ["rmse", "relative", "noise_floor", "unit", "driven"]
     json.dumps(content, allow_nan=False)
+
+
+def test_a_wrong_unit_is_told_once_for_all_recordings_and_first(stock, recordings):
+    amperes = ("current", "current_setpoint")
+    wrong = [
+        with_signals(r, {name: (1e3 if name in amperes else 1.0) * values for name, values in r.signals.items()})
+        for r in recordings[:2]
+    ]
+    found = compare(wrong, stock)
+    (said,) = found.misread
+    assert said.startswith("2 of 2 recordings, the worst is ") and "mA and read as A" in said
+    assert found.warnings[0] == said
+    assert compare(recordings[:1], stock).misread == ()

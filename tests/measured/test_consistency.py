@@ -12,7 +12,7 @@ from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.measured import consistency
-from ema_twin_sim.measured.consistency import inconsistencies
+from ema_twin_sim.measured.consistency import inconsistencies, told_once
 from ema_twin_sim.model.matching import matched
 from ema_twin_sim.model.own_units import OwnUnits, model_in, recording_in
 from ema_twin_sim.simulation.command import parse_command
@@ -209,3 +209,21 @@ def test_a_comparison_judges_a_slow_machine_as_a_discovery_does(stock):
         discover([wrong], slow)
     assert str(refused.value) in compare([wrong], slow).warnings
     assert not compare([run], slow).warnings
+
+
+def test_a_current_quieter_than_the_noise_that_the_model_states_is_told_unless_another_recording_moves_it(
+    stock, driven
+):
+    quiet = scaled(driven, current=1e-4)
+    (found,) = (each for each in inconsistencies(quiet, stock) if "noise" in each.what)
+    assert "current varies by" in found.what and "3.00 mA of noise" in found.what
+    assert "import map" in found.remedy and "sensors.current_noise" in found.remedy
+    assert not [each for each in inconsistencies(quiet, stock, [quiet, driven]) if "noise" in each.what]
+
+
+def test_the_same_mistake_in_several_recordings_is_told_in_one_line_with_the_worst(stock, driven):
+    runs = [replace(scaled(driven, current=times), name=f"run{times:g}") for times in (500.0, 2000.0, 1000.0)]
+    found = [each for run in runs for each in inconsistencies(run, stock) if "limited" in each.what]
+    (line,) = told_once(found, 4)
+    assert line.startswith("3 of 4 recordings, the worst is run2000: current reaches")
+    assert told_once(found[:1], 4) == [str(found[0])]

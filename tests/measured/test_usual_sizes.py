@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.recording import Recording
+from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.measured.usual_sizes import unusual_currents, unusual_sizes
 from ema_twin_sim.model import load_model
@@ -53,5 +54,11 @@ def test_usual_currents_and_known_machines_are_not_asked_about(tmp_path):
 def test_discover_repeats_the_question(tmp_path):
     runs = [recording("a", 1000.0), recording("b", 1000.0)]
     found = discover(runs, load_model(drafted(tmp_path, runs)))
-    [asked] = [warning for warning in found.warnings if "mA" in warning and "read as A?" in warning]
-    assert "\n" not in asked
+    [asked] = [warning for warning in found.misread if "mA" in warning and "read as A?" in warning]
+    assert found.warnings[0] == asked and "\n" not in asked
+
+
+def test_compare_asks_before_it_shows_an_error(tmp_path):
+    runs = [recording("a", 1000.0), recording("b", 1500.0)]
+    [asked] = compare(runs, load_model(drafted(tmp_path, runs))).misread
+    assert asked.startswith("b: current reaches") and "in mA, and read as A?" in asked

@@ -161,3 +161,31 @@ def test_a_map_of_nothing(own):
 def test_unknown_map():
     with pytest.raises(InputError, match="did you mean 'siemens'"):
         load_map("simens")
+
+
+@pytest.mark.parametrize(
+    ("header", "told"),
+    [
+        ("position [rad]", "rad"),
+        ("position (rad)", "rad"),
+        ("position_rad", "rad"),
+        ("position [deg]", None),
+        ("position [°]", None),
+        ("position_m", None),  # the motor's
+        ("position", None),
+    ],
+)
+def test_a_header_that_tells_another_unit_than_the_map_is_warned_of(own, tmp_path, header, told):
+    path = tmp_path / "drive.csv"
+    path.write_text(f"t,{header},torque\n0.000,90,0\n0.001,91,5\n0.002,93,4\n")
+    text = (
+        "version: 1\ntime: {column: t, unit: s}\nsignals:\n"
+        "  motor_position: {columns: ['position.*'], unit: deg}\n  motor_torque: {columns: [torque]}\n"
+    )
+    warnings = load(path, import_map=own(text)).warnings
+    assert len(warnings) == (told is not None)
+    for warning in warnings:
+        assert warning.startswith(f"drive.csv: the column {header!r} is in rad by its name, but the map 'own' reads it")
+        assert "in deg; write `unit: rad` into the map" in warning
+    converted = text.replace("unit: deg", "factor: 57.3")  # what a map converts by itself is its own business
+    assert load(path, import_map=own(converted, "converted.yaml")).warnings == ()

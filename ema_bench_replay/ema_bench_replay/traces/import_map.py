@@ -69,6 +69,7 @@ class SignalMap:
     magnitude: bool = False  # whether it is a magnitude without sign
     less_than: Column | None = None  # the column holds that one minus the signal, in the same unit
     decimals: int | None = None  # of the column when a trace is written; None: as many as needed
+    unit: str | None = None  # in which the column is read; None: a counter, or converted by a factor of the map's own
 
 
 @dataclass(frozen=True)
@@ -158,6 +159,7 @@ def _signal(check: Checker, name: str, content: Any, motion: str) -> SignalMap:
     if factor == 0.0:
         raise check.error(f"{place}.factor", "is 0", "give another one, or remove the signal")
     is_counter = "counts_per_revolution" in value
+    unit = value.get("unit", next(iter(units_of(name, motion)))) if abs(factor) == 1.0 and not is_counter else None
     for key in ("unit", "gain", "less_than") if is_counter else counter_keys:
         if key in value:
             if is_counter:
@@ -187,6 +189,7 @@ def _signal(check: Checker, name: str, content: Any, motion: str) -> SignalMap:
         magnitude=check.boolean(value.get("magnitude", False), f"{place}.magnitude"),
         less_than=_column(check, value["less_than"], f"{place}.less_than") if "less_than" in value else None,
         decimals=_decimals(check, value.get("decimals", 0 if is_counter else None), f"{place}.decimals"),
+        unit=unit,
         **positive,
     )
 

@@ -27,6 +27,7 @@ from ema_bench_replay.long_columns import (
 )
 from ema_bench_replay.recording import AT, KIND, MOTION, POINTS, Recording
 from ema_bench_replay.traces.counters import unwrap_counts
+from ema_bench_replay.traces.header_units import contradicted_unit
 from ema_bench_replay.traces.import_map import TIME_UNITS, Column, ImportMap, SignalMap
 from ema_bench_replay.traces.trace_table import TraceTable, read_table
 from ema_bench_replay.traces.trace_writer import write_trace
@@ -79,6 +80,7 @@ class _Trace:
             place = self._place(signal)
             if place is not None:
                 self.columns[signal.signal] = place
+                self._report_unit(signal, self.table.header[place])
         if not self.columns:
             known = ", ".join(column.plain for signal in self.map.signals for column in signal.columns)
             raise InputError(
@@ -188,6 +190,15 @@ class _Trace:
                     f"the map {self.map.name!r} reads the {signal_words} from {column.plain!r}, which is not there; "
                     f"correct the map if {spare[near]!r} is meant"
                 )
+
+    def _report_unit(self, signal: SignalMap, column: str) -> None:
+        """Warn if the column's header tells another unit than the map."""
+        if told := contradicted_unit(column, signal.signal, signal.unit):
+            self._warn(
+                f"the column {column!r} is in {told} by its name, but the map {self.map.name!r} reads it as the "
+                f"{signal.signal.replace('_', ' ')} in {signal.unit}; write `unit: {told}` into the map, or correct "
+                "the header"
+            )
 
     def _following(self, column: Column, place: int, signal: str) -> int:
         """The column at `place`, or the one that it should follow if it does not follow it."""

@@ -81,10 +81,11 @@ def run(
         if rrd is not None:
             progress("writing the views")
             tabs = write_rrd(rrd, given.recordings, both, labels, findings, force=force)
+    warn_of(found.misread, given.recordings)
     show_search(found, given.without)
     show_doubts(found.groups, found.next_recording)
     say(f"\nThe search ended: {found.stopped}.")
-    warn_of(found.warnings, given.recordings)
+    warn_of([text for text in found.warnings if text not in found.misread], given.recordings)
     is_new = bool(found.added or found.constants)
     for line in _written(output, model, is_new=is_new):
         say(line)

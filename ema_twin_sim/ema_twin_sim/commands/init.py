@@ -125,7 +125,7 @@ def run(
             say(f"{column}: not used as the load: {reason}")
         warn_of_foreign_units(guesses)
         joint = (guesses.joint.sentence,) if guesses.joint.number else ()
-        say_what_it_rests_on(files[1], (*joint, *assumed_units(guesses), *drafts.assumed))
+        say_what_it_rests_on(*files, (*joint, *assumed_units(guesses), *drafts.assumed))
     for told in (*drafts.warnings, *drafts.questions):
         warn(told)
     say_next(files, drafts, guesses, [quote(str(trace)) for trace in traces] or ["TRACE.csv"], holed)
@@ -147,7 +147,7 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
     shaft = Shaft(recordings[0].metadata.get(f"motor_position{AT}", "motor"), given.gear_ratio)
     model = checked_model(recordings, given, shaft)
     _write(place, model.text, force)
-    say_what_it_rests_on(place, model.assumed)
+    say_what_it_rests_on(map_file, place, model.assumed)
     for question in model.questions:
         warn(question)
     say(f"{place}: {to_look_at(model.text)}")

@@ -43,12 +43,13 @@ def write_page(
 
     ``labels`` distinguish models of the same name. A third model is left out if none of its numbers differs from the
     second's by more than its standard error. ``comparisons`` are those of all these models, if they exist already.
-    Returns the page's remarks on the models. Raises InputError if a recording lacks the input's signal, or if the page
-    cannot be written.
+    Returns what puts the page in doubt, and its remarks on the models. Raises InputError if a recording lacks the
+    input's signal, or if the page cannot be written.
     """
     from ..report.backwards import backwards
     from ..report.content import Content, shown
     from ..report.page import write_report
+    from ..report.summary import misread
     from ..version import VERSION
 
     names, note = told_apart(models, labels), ""
@@ -59,7 +60,7 @@ def write_page(
     apart = shown(held_out, models, source) if held_out else None
     content = Content(tuple(models), names, given, apart, findings, VERSION, story, undiagnosed, fit, note)
     write_report(output, content, force=force)
-    return [text for text in (backwards(content), note) if text]
+    return [*misread(content), *(text for text in (backwards(content), note) if text)]
 
 
 def fitting_moved(models: Sequence[Model], findings: Findings | None, fit: FitFindings | None) -> bool:

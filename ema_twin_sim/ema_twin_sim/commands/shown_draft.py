@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 
 def warn_of_contradicted_names(guesses: Guesses) -> None:
     """Warn of columns whose name says one quantity and whose unit another, for example if two units were swapped."""
+    from ema_bench_replay.traces.header_words import header_words
+
     from ..new_machine.columns import contradicted_quantity
-    from ..new_machine.header_words import header_words
 
     for guess in guesses.signals:
         if said := contradicted_quantity(guess.column):
@@ -33,9 +34,8 @@ def warn_of_contradicted_names(guesses: Guesses) -> None:
 
 def warn_of_foreign_units(guesses: Guesses) -> None:
     """Warn of columns whose header has a unit that does not fit their signal, such as per cent of a rated torque."""
+    from ema_bench_replay.traces.header_words import header_words
     from ema_bench_replay.units import signal_unit
-
-    from ..new_machine.header_words import header_words
 
     for guess in guesses.signals:
         foreign = header_words(guess.column).foreign
@@ -47,13 +47,14 @@ def warn_of_foreign_units(guesses: Guesses) -> None:
             )
 
 
-def say_what_it_rests_on(place: Path, besides: Sequence[str]) -> None:
+def say_what_it_rests_on(map_file: Path, place: Path, besides: Sequence[str]) -> None:
     """Print what the recordings showed of the machine, what the model assumes, and more assumptions (``besides``)."""
     from ..model import load_model
-    from ..new_machine.told import assumed, shown
+    from ..new_machine.told import assumed, doubts_of, shown
 
     model = load_model(place)
-    for text, numbers in (("Known", shown(model)), ("Assumed", assumed(model))):
+    doubts = doubts_of(model, place.read_text(), map_file.read_text())
+    for text, numbers in (("Known", shown(model, doubts)), ("Assumed", assumed(model, doubts))):
         if numbers:
             say(f"{text}: {', '.join(numbers)}")
     for sentence in besides:
@@ -70,7 +71,7 @@ def to_look_at(text: str) -> str:
 
 def in_unit(guess: Guess) -> str:
     """The unit in which a column is read, in words."""
-    from ..new_machine.header_words import COUNTS
+    from ema_bench_replay.traces.header_words import COUNTS
 
     if guess.unit == COUNTS:
         return f", {guess.counts:g} counts per turn" if guess.counts else ", counts per turn unknown"

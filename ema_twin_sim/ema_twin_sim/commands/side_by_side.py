@@ -111,6 +111,8 @@ def _in_words(name: str, first: Comparison, other: Comparison) -> str:
     overall = found.overall[name]
     if overall.times < 1.0:
         times = number_of_times(1.0 / overall.times)
+        if times == number_of_times(1.0):
+            return f"Model {other.model}: as far off as {first.model} in the {signal}."
         return f"Model {other.model}: {times} × farther off than {first.model} in the {signal}."
     text = f"Model {other.model}: {closeness_cell(overall)} closer than {first.model} in the {signal}"
     each = sorted((signals[name].times, recording) for recording, signals in found.recordings if name in signals)

@@ -13,9 +13,10 @@ import numpy as np
 from ema_bench_replay.long_columns import divided, shifted, slopes, times
 from ema_bench_replay.recording import Recording
 
-from ..measured.consistency import inconsistencies
+from ..measured.consistency import Inconsistency, inconsistencies, told_once
 from ..measured.noise import noise_of
 from ..measured.scales import standstill, to_own_units, to_rotary_equivalent
+from ..measured.usual_sizes import unusual_currents
 from ..model import Model
 from ..model.matching import by_torque
 from ..model.own_units import shown
@@ -70,7 +71,10 @@ class RecordingComparison:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A model compared with recordings; ``overall`` pools all samples, ``where`` is what the errors depend on."""
+    """A model compared with recordings; ``overall`` pools all samples, ``where`` is what the errors depend on.
+
+    ``misread`` are the warnings that put every number in doubt, such as a wrong unit: to be told before the errors.
+    """
 
     model: str
     input: str
@@ -80,6 +84,7 @@ class Comparison:
     where: tuple[Dependence, ...]
     warnings: tuple[str, ...]
     motion: str = "rotary"
+    misread: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, object]:
         """For ``compare --json``."""
@@ -152,6 +157,7 @@ def compare(
         if parts
         for dependence in _dependences(model, name, parts, torques.get(name), slow, together == BY_MOTOR)
     ]
+    misread = (*_inconsistent(given, asked), *unusual_currents(given, asked))
     return Comparison(
         model.name,
         together,
@@ -160,26 +166,27 @@ def compare(
         pooled.independent,
         tuple(where),
         (
+            *misread,
             *starts,
             *(warning for recording in recordings for warning in recording.warnings),
             *without_common_zero(recordings, model.active.values()),
-            *_inconsistent(given, asked),
         ),
         "rotary" if model.units is None else "linear",
+        misread,
     )
 
 
 def _inconsistent(recordings: Sequence[Recording], model: Model) -> list[str]:
-    """Inconsistencies of the recordings, by the same rules as ``fit`` and ``discover``, in the machine's own units."""
+    """Inconsistencies of the recordings, by the same rules as ``fit`` and ``discover``, one line for each kind."""
     parts = [recording.spread() for recording in recordings]
     own, its_model = to_own_units([part for group in parts for part in group], model)
     rest = iter(own)
-    found: list[str] = []
+    found: list[Inconsistency] = []
     for group in parts:
         its = list(islice(rest, len(group)))
-        told = ([str(one) for one in inconsistencies(part, its_model, own)] for part in its)
+        told = ([*inconsistencies(part, its_model, own)] for part in its)
         found += next(filter(None, told), [])  # other parts of a long recording would repeat what the first one reports
-    return found
+    return told_once(found, len(recordings))
 
 
 def compare_all(

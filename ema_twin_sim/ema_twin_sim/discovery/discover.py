@@ -81,7 +81,10 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Discovery:
-    """What a discovery found; ``as_json`` is what ``discover --json`` writes."""
+    """What a discovery found; ``as_json`` is what ``discover --json`` writes.
+
+    ``misread`` are the warnings that put every finding in doubt, such as a wrong unit: to be told before the findings.
+    """
 
     verdict: str  # explained, none or unknown
     added: tuple[str, ...]
@@ -103,6 +106,7 @@ class Discovery:
     input: str  # input of the twins
     left: Signals  # errors of the model that was found, as ``compare`` reports them
     left_over: str = ""  # how large, and where along the first of ``depends_on``
+    misread: tuple[str, ...] = ()
 
     @property
     def beyond_noise(self) -> dict[str, float]:
@@ -126,6 +130,7 @@ class Discovery:
             "left": {name: dict(error) for name, error in self.left.items()},
             "beyond_noise": self.beyond_noise,
             "warnings": list(self.warnings),
+            "misread": list(self.misread),
         }
 
 
@@ -216,6 +221,10 @@ def discover(
     better = native_as_given(restored(best.hypothesis.model(), awake), given).fitted_from(given)
     end = given if as_given else with_hidden_as_given(better, given, recordings)
     refitted = {} if as_given or not problem.size else constants(best, errors, given)
+    misread = (
+        *unusual_currents(given_recordings, given),
+        *(off_by_one_factor(refitted) if model.is_open else ()),
+    )
     return Discovery(
         verdict,
         added,
@@ -228,13 +237,12 @@ def discover(
         suggest(problem, found, rivals, recordings, excluded),
         why_ended(problem, verdict, found, depends_on, unseen),
         (
+            *misread,
             *(warning for recording in recordings for warning in recording.warnings),
-            *unusual_currents(given_recordings, given),
             *of_assumed_torque(given_recordings, given),
             *contradictions(problem, best),
             *far_off(best),
             *(of_sums(problem, best, left) if refitted else ()),
-            *(off_by_one_factor(refitted) if model.is_open else ()),
             *(on_bounds(problem, best, errors) if problem.size else ()),
             *without_common_zero(recordings, best.hypothesis.model().active.values()),
             *((of_open_constants(),) if problem.size and model.is_open and known and best.hypothesis.added else ()),
@@ -251,6 +259,7 @@ def discover(
         noise,
         *_left(given_recordings, end, noise),
         "" if known else left_over_words(problem, found, depends_on),
+        misread,
     )
 
 

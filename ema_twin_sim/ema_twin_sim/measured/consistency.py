@@ -7,7 +7,7 @@ gear ratio in the import map; the usual mistakes are recognised by their size.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import NamedTuple
@@ -17,12 +17,13 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
-from ..criteria import ALL_BUT_SPIKES, NEGLIGIBLE, PART, SMALL, TOO_MUCH
+from ..criteria import ALL_BUT_SPIKES, NEGLIGIBLE, NOISY, PART, SMALL, TOO_MUCH
 from ..effects import Trait, effects_with
 from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
 from ..plant.measured_motion import LOAD, MOTOR_ANGLE, SPEED
+from ..quantities import quantity
 from ..reading_noise import reading_noise
 from ..simulation.angle_origins import origins_of
 from ..simulation.assembly import assemble
@@ -75,14 +76,32 @@ class _Factor(NamedTuple):
 
 @dataclass(frozen=True)
 class Inconsistency:
-    """One signal that does not fit another, in words; ``remedy`` says what to check."""
+    """One signal that does not fit another, in words; ``remedy`` says what to check.
+
+    ``kind`` is the same for the same mistake in another recording, ``times`` the factor by which it is off here.
+    """
 
     recording: str
     what: str
     remedy: str
+    kind: str
+    times: float = 1.0
 
     def __str__(self) -> str:
         return f"{self.recording}: {self.what}; {self.remedy}"
+
+
+def told_once(found: Iterable[Inconsistency], count: int) -> list[str]:
+    """One line for each kind of mistake in ``count`` recordings: how many have it, and the worst of them."""
+    kinds: dict[str, list[Inconsistency]] = {}
+    for each in found:
+        kinds.setdefault(each.kind, []).append(each)
+    return [_with_number(alike, count) for alike in kinds.values()]
+
+
+def _with_number(alike: Sequence[Inconsistency], count: int) -> str:
+    worst = max(alike, key=lambda each: abs(math.log(abs(each.times))))
+    return f"{len(alike)} of {count} recordings, the worst is {worst}" if len(alike) > 1 else str(worst)
 
 
 def refuse_inconsistent(recordings: Sequence[Recording], model: Model) -> None:
@@ -131,15 +150,18 @@ def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recordi
     for found in off:
         # if a signal fits neither of two others, that signal is wrong
         factor = found.turned() if named.count(found.other) > named.count(found.signal) else found
-        pair = {factor.signal, factor.other}
+        pair, mistake = {factor.signal, factor.other}, _mistake(factor, model)
         yield Inconsistency(
             recording.name,
-            f"{factor.signal} is {factor.value:.3g} times what {factor.other} makes it{_mistake(factor, model)}",
+            f"{factor.signal} is {factor.value:.3g} times what {factor.other} makes it{mistake}",
             "check unit, factor and counts of both in the import map"
             + _ALSO.get(frozenset(pair), "").format(ratio=model.value("machine.gear_ratio") / abs(found.value)),
+            f"{factor.signal} {factor.other}{mistake}",
+            factor.value,
         )
     yield from _by_load(recording)
     yield from _by_limit(recording, model)
+    yield from _by_noise(recording, model, beside)
     yield from _by_inertia(recording, model)
 
 
@@ -269,6 +291,7 @@ def _by_load(recording: Recording) -> Iterator[Inconsistency]:
             recording.name,
             "the drive's torque falls where load_torque rises, as if the load's sign were turned round",
             "check the sign of load_torque and of current in the import map (`factor: -1` turns one)",
+            "sign of the load",
         )
 
 
@@ -278,13 +301,45 @@ def _by_limit(recording: Recording, model: Model) -> Iterator[Inconsistency]:
     if recording.has("current") and BY_TORQUE not in recording.metadata:
         largest = float(np.nanquantile(np.abs(recording.signals["current"]), ALL_BUT_SPIKES))
         if largest > TOO_MUCH * limit:
-            largest, limit = (shown(model, value, "A")[0] for value in (largest, limit))
+            reached, allowed = (quantity(*shown(model, value, "A")) for value in (largest, limit))
             yield Inconsistency(
                 recording.name,
-                f"current reaches {largest:.3g} A where the model's drive is limited to {limit:.3g} A, as if current "
-                "were in mA and read as A",
+                f"current reaches {reached} where the model's drive is limited to {allowed}, as if current were in mA "
+                "and read as A",
                 "check unit and factor of current in the import map, and drive.current_limit",
+                "limit of the current",
+                largest / limit,
             )
+
+
+def _by_noise(recording: Recording, model: Model, beside: Sequence[Recording]) -> Iterator[Inconsistency]:
+    """Whether the drive's current or torque varies by less than the noise that the model states.
+
+    At a standstill it may hold still: so it counts only if it is as quiet in all recordings ``beside`` this one.
+    """
+    share = _share_of_noise(recording, model)
+    if not 0.0 < share * NOISY < 1.0 or any(_share_of_noise(other, model) * NOISY >= 1.0 for other in beside):
+        return
+    noise, name, unit = model.value("sensors.current_noise"), "current", "A"
+    if BY_TORQUE in recording.metadata:
+        noise, name, unit = noise * model.value("machine.torque_constant"), "motor_torque", "N m"
+    varies, stated = (quantity(*shown(model, value, unit)) for value in (share * noise, noise))
+    yield Inconsistency(
+        recording.name,
+        f"{name} varies by {varies} (rms) in all, less than the {stated} of noise that the model file states, so that "
+        "the noise would hide whatever is missing",
+        f"check unit and factor of {name} in the import map, and sensors.current_noise in the model",
+        "noise of the current",
+        share,
+    )
+
+
+def _share_of_noise(recording: Recording, model: Model) -> float:
+    """Standard deviation of the current in units of the model's noise; 0 without a current or a noise."""
+    noise = model.value("sensors.current_noise")
+    if not recording.has("current") or not noise > 0.0:
+        return 0.0
+    return float(np.nanstd(recording.signals["current"])) / noise
 
 
 def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
@@ -313,6 +368,8 @@ def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
         recording.name,
         f"current is {factor:.3g} times what the model's inertia needs for the acceleration, {why}",
         "check unit, factor and sign of current and of the positions in the import map, and the model's inertias",
+        f"inertia, {why}",
+        factor,
     )
 
 
@@ -362,6 +419,7 @@ def _by_friction(recording: Recording, model: Model) -> Iterator[Inconsistency]:
                 recording.name,
                 "the current pushes against inertia and friction, as if its sign were turned round",
                 "check the sign of current and of the positions in the import map (`factor: -1` turns one)",
+                "sign of the current",
             )
             return
 

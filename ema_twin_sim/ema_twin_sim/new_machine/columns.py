@@ -14,11 +14,11 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import AT_EITHER_SHAFT
+from ema_bench_replay.traces.header_words import COUNTS, HeaderWords, header_words
 from ema_bench_replay.traces.import_map import TIME_UNITS
 from ema_bench_replay.units import units_of
 
 from ..criteria import SMALL
-from .header_words import COUNTS, HeaderWords, header_words
 from .joints import ONE_JOINT, Joint, Numbered, likeness, one_joint, travel
 
 _STEMS: dict[str, str] = {

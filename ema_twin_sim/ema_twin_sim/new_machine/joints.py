@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ema_bench_replay.traces.header_words import HeaderWords
 from ema_bench_replay.units import MOTIONS, units_of
 
 from ..criteria import SMALL
-from .header_words import HeaderWords
 
 _DRIVES = frozenset({"current", "torque"})
 _MOVES = ("position", "speed")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 
+from ema_bench_replay.traces.header_words import COUNTS
 from ema_bench_replay.units import signal_unit
 
 from ..model.check_comment import CHECK, check_comment
 from .columns import Guess, Guesses
-from .header_words import COUNTS
 from .shaft import Shaft
 
 ASSUMED_COUNTS = 4096
@@ -58,7 +58,7 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
         return check_comment("; ".join(filter(None, (at, shaft.doubt if of_position else guess.shaft_doubt))))
 
     if guess.unit == COUNTS:
-        doubt = look(guess.doubt if guess.counts else "counts per turn (all edges counted)")
+        doubt = look(guess.doubt if guess.counts else "give the counts per turn, all edges counted")
         return (
             f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], counts_per_revolution: "
             f"{guess.counts or ASSUMED_COUNTS:g}{of_output}}}{doubt}"

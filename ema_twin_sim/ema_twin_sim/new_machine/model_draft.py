@@ -37,6 +37,7 @@ from .torque_constant import question_about, told_at_joint
 from .usual_counts import usual_counts
 
 SMALLEST_STEP = "smallest step of the recording"
+ONE_AMPERE_IS = "one ampere means one"  # ends the source of a noise that is the torque's, followed by its unit
 AS_FINE_AS_NOISE = "as fine as the noise of the recording"
 DEPENDED_ON = ("motor_position", "speed", "load_torque")
 """What a drive's torque depends on at an operating point."""
@@ -153,7 +154,8 @@ class _Ratio:
 def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | None:
     """The gear ratio: as given, else as position and speed or both positions show it, else 1 for a rotary machine."""
     if given:
-        return _Ratio(given, "given")
+        other = _other_ratio(recording, given, shaft)
+        return _Ratio(given, "given", "" if other is None else f"both positions give {other:.4g}")
     if shaft.ratio is not None:
         return _Ratio(shaft.ratio, "speed over position", "of the motor's speed to its position")
     shown = ratio_of_positions(recording)
@@ -178,13 +180,19 @@ def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | 
     return None
 
 
+def _other_ratio(recording: Recording, given: float, shaft: Shaft) -> float | None:
+    """The gear ratio that both positions show, if it is not the given one."""
+    shown = ratio_of_positions(recording) if shaft.name == "motor" else None
+    return None if shown is None or abs(abs(shown) / given - 1.0) <= SAME_RATIO else abs(shown)
+
+
 def _question_about_ratio(recording: Recording, given: float | None, shaft: Shaft) -> str:
     """A question about the given gear ratio if both positions show another one; empty if there is no doubt."""
-    shown = ratio_of_positions(recording) if given and shaft.name == "motor" else None
-    if not given or shown is None or abs(abs(shown) / given - 1.0) <= SAME_RATIO:
+    other = _other_ratio(recording, given, shaft) if given else None
+    if other is None:
         return ""
     return (
-        f"{recording.name}: the gear ratio was given as {given:g}, but both positions give {abs(shown):.4g}; leave "
+        f"{recording.name}: the gear ratio was given as {given:g}, but both positions give {other:.4g}; leave "
         "--gear-ratio out to use that, or correct the unit or the counts of the position that is wrong"
     )
 
@@ -285,7 +293,7 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
         torque = signal_unit("motor_torque", motion)
         lines.append(
             f"  current_noise: {{value: {noise:.3g}, unit: A, "
-            f"source: third differences of the recording; one ampere means one {torque}}}"
+            f"source: third differences of the recording; {ONE_AMPERE_IS} {torque}}}"
         )
     if not recording.of_points:
         lines.append(f"  sample_period: {{value: {recording.sample_period:g}, unit: s, tolerance: 0.0}}")

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ema_bench_replay.traces.header_words import header_words
+
 from ..measured.usual_sizes import USUAL
 from .columns import Guess, Guesses
-from .header_words import header_words
 
 
 @dataclass(frozen=True)

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
 
+from ema_bench_replay.traces.header_words import COUNTS, header_words
 from ema_bench_replay.units import signal_unit, units_of
 
 from ..model import Model
-from ..model.check_comment import ASSUMED
+from ..model.check_comment import ASSUMED, CHECK
 from ..model.model_file import ABSENT
 from ..quantities import quantity
 from .columns import Guess, Guesses
-from .header_words import COUNTS, header_words
-from .model_draft import AS_FINE_AS_NOISE
+from .model_draft import AS_FINE_AS_NOISE, ONE_AMPERE_IS
 
 _TOLD = {
     "machine.gear_ratio": "gear ratio",
@@ -24,24 +25,45 @@ _TOLD = {
     "sensors.current_noise": "noise of the current",
     "sensors.speed_noise": "noise of the speed",
 }
+_PER = {"1/rev": "turn", "1/m": "metre"}
 _HOW = {
     "machine.gear_ratio": "give --gear-ratio",
     "machine.torque_constant": "torques are given in amperes; give --torque-constant from the data sheet",
 }
 
 
-def shown(model: Model) -> list[str]:
-    """What a recording showed or the user gave, each as ``name value unit``."""
-    return [f"{name} {value}" for path, name, value in _values(model) if model.constants[path].source != ASSUMED]
-
-
-def assumed(model: Model) -> list[str]:
-    """What is only assumed, and what to do about it."""
+def shown(model: Model, doubts: Mapping[str, str]) -> list[str]:
+    """What a recording showed or the user gave, each as ``name value unit``; not what the drafts mark (``doubts``)."""
     return [
-        f"{name} {value} ({_HOW[path]})"
+        f"{name} {value}"
         for path, name, value in _values(model)
-        if model.constants[path].source == ASSUMED
+        if model.constants[path].source != ASSUMED and path not in doubts
     ]
+
+
+def assumed(model: Model, doubts: Mapping[str, str]) -> list[str]:
+    """What is only assumed, and what to do or to check about it."""
+    why = {path: _HOW[path] for path in _TOLD if model.constants[path].source == ASSUMED}
+    return [
+        f"{name} {value} ({({**doubts, **why})[path]})"
+        for path, name, value in _values(model)
+        if path in doubts or path in why
+    ]
+
+
+def doubts_of(model: Model, text: str, map_text: str) -> dict[str, str]:
+    """By path, what is to be checked about a number that the ``text`` of a model or of its map marks.
+
+    What the user gave is not in doubt here: another sentence says what contradicts it.
+    """
+    found = {}
+    for path in _TOLD:
+        key, counts = path.partition(".")[2], path.endswith("_encoder_counts")
+        place = f"{key.removesuffix('_encoder_counts')}_position: .*counts_per_revolution" if counts else f"{key}:"
+        mark = re.search(rf"^ *{place}.*# {CHECK}: (.*)$", map_text if counts else text, re.MULTILINE)
+        if mark and not model.constants[path].source.startswith("given"):
+            found[path] = mark[1]
+    return found
 
 
 def assumed_units(guesses: Guesses) -> list[str]:
@@ -65,11 +87,13 @@ def _assumed_unit(columns: Sequence[Guess], why: str, motion: str) -> str:
 
 def _values(model: Model) -> Iterator[tuple[str, str, str]]:
     """Yield (path, name, value with unit) of the constants that a draft may have found."""
-    for path, name in _TOLD.items():
+    for path, told in _TOLD.items():
         held = model.constants[path]
         if held.source not in ("", ABSENT, AS_FINE_AS_NOISE):  # a position without steps shows no counts
-            unit = model.unit(path)
-            if unit == "1/rev":
-                yield path, name, f"{held.value:.0f} counts per turn"
+            name, unit = told, model.unit(path)
+            if ONE_AMPERE_IS in held.source:
+                name, unit = "noise of the torque", signal_unit("motor_torque", model.motion)
+            if unit in _PER:
+                yield path, name, f"{held.value:.0f} counts per {_PER[unit]}"
             else:
                 yield path, name, f"{held.value:.4g}" if unit == "1" else quantity(held.value, unit)

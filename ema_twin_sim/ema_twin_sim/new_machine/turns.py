@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from ema_bench_replay.traces.header_words import COUNTS
 from ema_bench_replay.traces.wrapped_angle import counted_on
 from ema_bench_replay.units import units_of
 
 from .columns import Guess, Guesses
-from .header_words import COUNTS
 from .usual_counts import usual_counts
 
 

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ema_bench_replay.traces.header_words import COUNTS
 from ema_bench_replay.traces.import_map import TIME_UNITS
 from ema_bench_replay.units import units_of
 
@@ -19,7 +20,6 @@ from ..criteria import NEGLIGIBLE, PART, SMALL
 from ..measured.consistency import steady_factor
 from ..measured.usual_sizes import USUAL
 from .columns import Guess, Guesses
-from .header_words import COUNTS
 from .products import with_products_units
 from .steps import smallest_step
 from .unit_questions import is_decimal

@@ -28,7 +28,9 @@ from .markup import Markup, capitalised, items, joined, table, tag
 
 
 def verdict(content: Content) -> str:
-    """What the earlier model lacks, in one plain sentence."""
+    """What the earlier model lacks, in one plain sentence; or what puts every number of the page in doubt."""
+    if doubts := misread(content):
+        return f"Check this before you trust the page: {doubts[0]}."
     if said := backwards(content):
         return said
     before, after = content.names[:2]
@@ -39,6 +41,12 @@ def verdict(content: Content) -> str:
     if not new:
         return f"{after} has no effect that {before} lacks."
     return f"{before} lacks {listed(effect_words(effect.name) for effect in new)}, which {after} has."
+
+
+def misread(content: Content) -> list[str]:
+    """What is plainly wrong with the recordings or a model, such as a unit, by the comparisons and the search."""
+    of_models = (text for each in content.given.comparisons for text in each.misread)
+    return [*dict.fromkeys((*of_models, *(content.findings.misread if content.findings else ())))]
 
 
 def head(content: Content) -> Markup:
@@ -89,8 +97,9 @@ def _lead(content: Content) -> str:
     parts = []
     for name in content.given.headlines:
         before, after = first.overall[name], second.overall[name]
+        began, ended = (quantity(error["rmse"], error["unit"]) for error in (before, after))
         way = "falls" if after["rmse"] < before["rmse"] else "does not decrease: it goes"
-        sizes = f"{way} from {quantity(before['rmse'], before['unit'])} to {quantity(after['rmse'], after['unit'])}"
+        sizes = f"stays at {ended}" if began == ended else f"{way} from {began} to {ended}"
         parts.append(f"that of the {signal_words(name)} {sizes} ({_noises(after)})")
     said = listed(parts).removeprefix("that of")
     findings = content.findings

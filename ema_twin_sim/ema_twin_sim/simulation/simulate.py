@@ -55,6 +55,12 @@ def choose_input(recording: Recording, model: Model, wanted: str | None = None) 
     chosen = wanted or input_by_signals(recording.has("speed_setpoint"), recording.has("current"), model)
     if chosen not in DRIVING:
         raise InputError(f"input '{chosen}' is not known; give setpoint or current, or command")
+    if wanted is None and not recording.has(DRIVING[chosen]):  # neither a speed setpoint nor a current
+        raise InputError(
+            f"{recording.name}: has no current and no torque of the drive, which a twin needs; it holds "
+            f"{', '.join(recording.signals)}. Map a column as current or motor_torque; a voltage that commands the "
+            "torque is mapped as motor_torque with a `gain`"
+        )
     if not recording.has(DRIVING[chosen]):
         raise InputError(
             f"{recording.name}: has no {DRIVING[chosen]}, which drives the twin under --input {chosen}; "

@@ -76,6 +76,7 @@ class Findings:
     warnings: tuple[str, ...] = ()
     left_over: str = ""  # how large the error left is, and where along the first of ``depends_on``
     beyond_noise: Mapping[str, float] = field(default_factory=dict)  # by signal, the error left in times its noise
+    misread: tuple[str, ...] = ()  # the warnings that put all findings in doubt
 
 
 def findings_of(found: Discovery, diagnosis: Diagnosis) -> Findings:
@@ -130,6 +131,7 @@ def _read(content: Mapping[str, Any]) -> Findings:
         _words(content.get("warnings", ())),
         str(content.get("left_over", "")),
         {str(name): number(times) for name, times in content.get("beyond_noise", {}).items()},
+        _words(content.get("misread", ())),
     )
 
 

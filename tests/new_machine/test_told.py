@@ -1,0 +1,55 @@
+"""What init prints of a draft: numbers that its files mark are assumed, and each has the unit of what it is."""
+
+import math
+
+from ema_twin_sim.commands.init import run as init
+from ema_twin_sim.model import load_model
+from ema_twin_sim.new_machine.told import assumed, doubts_of, shown
+
+SECONDS = [k * 1e-3 for k in range(2000)]
+
+
+def told(tmp_path, header, row, **arguments):
+    """(known, assumed) of the model that init drafts from a trace of these columns; ``row`` gives a time's cells."""
+    trace = tmp_path / "trace.csv"
+    trace.write_text("\n".join([header, *(",".join(f"{cell:.9g}" for cell in (t, *row(t))) for t in SECONDS), ""]))
+    init(str(tmp_path / "own"), [trace], **arguments)
+    text, map_text = ((tmp_path / name).read_text() for name in ("own.yaml", "own_map.yaml"))
+    model = load_model(tmp_path / "own.yaml")
+    doubts = doubts_of(model, text, map_text)
+    return shown(model, doubts), assumed(model, doubts)
+
+
+def test_counts_that_nobody_told_are_assumed_and_not_known(tmp_path):
+    known, guessed = told(
+        tmp_path,
+        "time [s],motor position [inc],current [A]",
+        lambda t: (int(20000 * math.sin(3 * t)), 2.0 * math.cos(3 * t)),
+    )
+    assert not [one for one in known if "encoder" in one]
+    assert "motor encoder 4096 counts per turn (give the counts per turn, all edges counted)" in guessed
+
+
+def test_a_given_gear_ratio_that_both_positions_contradict_is_marked(tmp_path):
+    def row(t):
+        return 30.0 * math.sin(3.0 * t), 0.3 * math.sin(3.0 * t), math.cos(3.0 * t)
+
+    known, _ = told(tmp_path, "time [s],motor position [rad],output position [rad],current [A]", row, gear_ratio=50.0)
+    assert "gear ratio 50" in known
+    assert "# CHECK: both positions give 100" in (tmp_path / "own.yaml").read_text()
+
+
+def test_a_carriages_counts_are_per_metre(tmp_path):
+    known, _ = told(
+        tmp_path, "time [s],position [m],force [N]", lambda t: (2e-5 * round(500.0 * math.sin(t)), math.cos(t))
+    )
+    assert "motor encoder 50000 counts per metre" in known
+
+
+def test_the_noise_of_a_torque_is_a_torque(tmp_path):
+    def row(t):
+        return 50.0 * math.sin(t), math.cos(t) + 1e-3 * (-1.0) ** round(1e3 * t)
+
+    known, _ = told(tmp_path, "time [s],motor position [rad],torque [Nm]", row)
+    (noise,) = (one for one in known if "noise" in one)
+    assert noise.startswith("noise of the torque ") and noise.endswith("N m")
