@@ -216,7 +216,7 @@ def test_a_current_quieter_than_the_noise_that_the_model_states_is_told_unless_a
 ):
     quiet = scaled(driven, current=1e-4)
     (found,) = (each for each in inconsistencies(quiet, stock) if "noise" in each.what)
-    assert "current varies by" in found.what and "3.00 mA of noise" in found.what
+    assert "current is" in found.what and "3.00 mA of noise" in found.what
     assert "import map" in found.remedy and "sensors.current_noise" in found.remedy
     assert not [each for each in inconsistencies(quiet, stock, [quiet, driven]) if "noise" in each.what]
 

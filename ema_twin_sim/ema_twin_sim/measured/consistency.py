@@ -313,9 +313,9 @@ def _by_limit(recording: Recording, model: Model) -> Iterator[Inconsistency]:
 
 
 def _by_noise(recording: Recording, model: Model, beside: Sequence[Recording]) -> Iterator[Inconsistency]:
-    """Whether the drive's current or torque varies by less than the noise that the model states.
+    """Whether all of the drive's current or torque is less than the noise that the model states.
 
-    At a standstill it may hold still: so it counts only if it is as quiet in all recordings ``beside`` this one.
+    At a standstill there may be none: so it counts only if it is as small in all recordings ``beside`` this one.
     """
     share = _share_of_noise(recording, model)
     if not 0.0 < share * NOISY < 1.0 or any(_share_of_noise(other, model) * NOISY >= 1.0 for other in beside):
@@ -323,11 +323,11 @@ def _by_noise(recording: Recording, model: Model, beside: Sequence[Recording]) -
     noise, name, unit = model.value("sensors.current_noise"), "current", "A"
     if BY_TORQUE in recording.metadata:
         noise, name, unit = noise * model.value("machine.torque_constant"), "motor_torque", "N m"
-    varies, stated = (quantity(*shown(model, value, unit)) for value in (share * noise, noise))
+    whole, stated = (quantity(*shown(model, value, unit)) for value in (share * noise, noise))
     yield Inconsistency(
         recording.name,
-        f"{name} varies by {varies} (rms) in all, less than the {stated} of noise that the model file states, so that "
-        "the noise would hide whatever is missing",
+        f"{name} is {whole} (rms) in all, less than the {stated} of noise that the model file states, so that the "
+        "noise would hide whatever is missing",
         f"check unit and factor of {name} in the import map, and sensors.current_noise in the model",
         "noise of the current",
         share,
@@ -335,11 +335,14 @@ def _by_noise(recording: Recording, model: Model, beside: Sequence[Recording]) -
 
 
 def _share_of_noise(recording: Recording, model: Model) -> float:
-    """Standard deviation of the current in units of the model's noise; 0 without a current or a noise."""
+    """RMS of the current in units of the model's noise; 0 without a current or a noise.
+
+    The mean counts: at constant speed it is the friction, and varies by the noise alone.
+    """
     noise = model.value("sensors.current_noise")
     if not recording.has("current") or not noise > 0.0:
         return 0.0
-    return float(np.nanstd(recording.signals["current"])) / noise
+    return math.sqrt(float(np.nanmean(recording.signals["current"] ** 2))) / noise
 
 
 def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
