@@ -77,7 +77,7 @@ METHOD = {
     "discovery/search/adding.py": "ENTRANTS SECOND_LOOKS NEXT_TO_NOTHING",
     "discovery/search/found_orders.py": "HIGHEST HIGHEST_OF_MOTOR MOST FEWEST_TURNS SLOW LEAST_DIGITS MOST_DIGITS SAME",
     "discovery/search/rivals.py": "SWAPS",
-    "discovery/search/search_order.py": "MORE THOUGHTS",
+    "discovery/search/search_order.py": "MORE",
     "discovery/search/unknown.py": "MOST_ROUNDS TRIED",
     "health/baseline.py": "FEWEST_TESTS _VANISHING",
     "health/change_point.py": "_FEWEST _BELIEVED _LARGEST",

@@ -34,7 +34,7 @@ from ..simulation.angle_origins import without_common_zero
 from .assumed_torque import of_assumed_torque
 from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants
 from .criteria.contradictions import contradictions
-from .criteria.explained import apart, explained
+from .criteria.explained import explained
 from .ending import why_ended
 from .experiment.doubts import reverses
 from .experiment.suggestion import suggest
@@ -44,7 +44,7 @@ from .search.adding import settle
 from .search.removing import less, significant
 from .search.rivals import Rivalry, judged_against_rivals
 from .search.search import search
-from .search.search_order import in_another_order, search_without_first
+from .search.search_order import in_another_order
 from .search.trace import BEATEN, SURER, Round, Search, new_names
 from .search.unknown import beside_the_unknown, doubted
 from .search.wandering_end import (
@@ -298,10 +298,7 @@ def _searched(
     beside = wandering_after_all(found, excluded, start, progress)
     if beside is not None:
         return beside, False
-    if found.fit.parted or apart(found.problem, found.fit, start):
-        return found, False
-    progress("an error remains: searching again without the first effect")
-    return search_without_first(null, excluded, found, lambda f: explained(f.problem, f, start), progress)
+    return found, False
 
 
 def _explained_without_wander(f: Fit, start: Fit) -> bool:

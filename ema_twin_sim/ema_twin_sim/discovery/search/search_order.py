@@ -1,28 +1,23 @@
 """Search order: effects that were found one after another, and others that explain more together.
 
 A stepwise search adds the effect that fits best alone, which keeps out what fits best in combination: a sum of two
-friction curves over speed is close to many sums of two others. So other effects are added first. Or the first effect is
-excluded, the rest is searched again, and then it may be added again.
+friction curves over speed is close to many sums of two others. So other effects are added first.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from ...criteria import USUAL_EFFECTS
 from ...effects import catalogue
-from ...identification.fit import Fit, fit
-from ...identification.hypothesis import Hypothesis
+from ...identification.fit import fit
 from ..criteria.plausible import strained
-from ..criteria.worth import ENCODER_ONLY, penalised_gain
+from ..criteria.worth import penalised_gain
 from .adding import add_effects, entrants, with_one_more
 from .removing import significant
 from .rivals import swapped
-from .search import search
 from .trace import Search
 
 MORE = 2  # effects that may join the first ones
-THOUGHTS = 2  # first effects that are excluded in turn if something is left
 
 
 def in_another_order(found: Search, without: frozenset[str], progress: Callable[[str], None]) -> Search:
@@ -52,28 +47,6 @@ def in_another_order(found: Search, without: frozenset[str], progress: Callable[
         if penalised_gain(found.fit, fit(problem, better.fit.hypothesis)) > 0.0:
             return better
     return found
-
-
-def search_without_first(
-    null: Hypothesis,
-    excluded: frozenset[str],
-    found: Search,
-    content: Callable[[Fit], bool],
-    progress: Callable[[str], None],
-) -> tuple[Search, bool]:
-    """A search restarted without one of the effects found first, if its end is ``content``; else the given search.
-
-    Also returns whether the end is ``content``.
-    """
-    firsts = [turn.effect_of(name) for turn in found.taken for name in turn.added if name in found.fit.hypothesis.added]
-    for effect in list(dict.fromkeys(firsts))[:THOUGHTS]:
-        other = search(found.problem, null, excluded | {effect}, progress, most=USUAL_EFFECTS, may_wander=False)
-        if other.fit.parted:
-            continue
-        other = significant(other.further(*add_effects(other.fit, excluded | ENCODER_ONLY, progress, most=MORE)))
-        if content(other.fit):
-            return other, True
-    return found, False
 
 
 def _by_speed(effect: str) -> bool:
