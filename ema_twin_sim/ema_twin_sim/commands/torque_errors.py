@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 def show_torque_errors(errors: Mapping[str, TorqueError], motion: str, model: str = "") -> None:
     """Print the relative error between the torque that the motion needs and the drive's, one line per recording.
 
-    Papers report the error in this form.
+    Papers report the error in this form. Standstill counts, where friction may hold any torque.
     """
     what = "force" if motion == "linear" else "torque"
     for name, error in errors.items():
         of = f"{name} ({model})" if model else name
-        say(
-            f"Relative {what} error of {of}: {100.0 * error.filtered:.2f} % below {error.band:g} Hz, "
-            f"{100.0 * error.unfiltered:.2f} % unfiltered"
-        )
+        below = f"{100.0 * error.filtered:.2f} % below {error.band:g} Hz, "
+        if error.filtered == error.unfiltered:  # nothing was filtered
+            below = f"sampled too slowly for a filter of {error.band:g} Hz: "
+        say(f"Relative {what} error of {of}, standstill included: {below}{100.0 * error.unfiltered:.2f} % unfiltered")
