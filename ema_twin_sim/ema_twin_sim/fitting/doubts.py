@@ -9,16 +9,23 @@ from ..quantities import quantity
 from .unseen import Errors
 
 
-def no_nearer(own_before: Errors, own_after: Errors, before: Errors, after: Errors, *, by_equation: bool) -> list[str]:
+def no_nearer(
+    own_before: Errors, own_after: Errors, before: Errors, after: Errors, *, by_equation: bool, hit: bool
+) -> list[str]:
     """A note if signals are farther off after a fit: on its ``own`` recordings, or else where it was not fitted to.
 
-    Errors are in the units of the model's file. ``by_equation``: the fit left out standstill, which the errors count.
+    Errors are in the units of the model's file. ``by_equation``: the fit left out standstill, which the errors count;
+    ``hit``: teeth meet in the model.
     """
     if farther := _farther(own_before, own_after):
-        why = "standstill counts here, and a fit leaves it out" if by_equation else "an effect may be missing"
+        why = "an effect may be missing, for which discover looks"
+        if by_equation:
+            why = "standstill counts here, and a fit leaves it out"
+        elif hit:
+            why = "teeth that meet 1 ms too early or too late can cause this"
         return [
             f"the fit does not bring the model nearer to these recordings: the error of the {farther}; {why}. Keep the "
-            "model as it was, and let discover look for what is missing"
+            "model as it was"
         ]
     if farther := _farther(before, after):
         return [f"on what was not fitted to, the model as it was is nearer: the error of the {farther}"]

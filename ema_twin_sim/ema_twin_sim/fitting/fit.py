@@ -155,8 +155,9 @@ def fit_model(
         shown_errors(as_given, each)
         for each in (*(errors_of(one, rotary, sources, noise) for one in (as_given, in_si(fitted))), before, after)
     )
-    notes = no_nearer(own_before, own_after, before, after, by_equation=method == "equation") + list(freedom.notes)
-    notes += still_far(after, _parts_encoders(fitted))
+    hit = _parts_encoders(fitted)
+    notes = no_nearer(own_before, own_after, before, after, by_equation=method == "equation", hit=hit)
+    notes += [*freedom.notes, *still_far(after, hit)]
     for k in loosened:
         path = model.shown_path(solution.freedom.numbers[k].path)
         notes.append(f"{path}: these recordings contradict its nominal value, which was let go")
