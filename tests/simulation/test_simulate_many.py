@@ -78,13 +78,19 @@ def test_no_model_gives_no_recording(recording):
     assert simulate_many([], recording) == []
 
 
-def test_one_that_diverges_is_told_as_if_it_ran_alone(stock):
-    away = stock
+@pytest.fixture(scope="module")
+def away(stock):
+    """A model that nothing brakes, with hardly any inertia: a steady current drives it ever faster."""
     for name in stock.effects:
-        away = away.with_enabled(name, False)  # a steady current then drives it ever faster
+        stock = stock.with_enabled(name, False)
     for part in ("motor", "gearbox", "output"):
-        away = away.with_value(f"machine.{part}_inertia", 0.0 if part == "gearbox" else 1e-9)
+        stock = stock.with_value(f"machine.{part}_inertia", 0.0 if part == "gearbox" else 1e-9)
+    return stock
+
+
+def test_one_that_diverges_is_told_as_if_it_ran_alone(stock, away, monkeypatch):
     ramp = virtual_bench(stock, parse_command("ramp:0.05"), 3.0)
+    monkeypatch.setattr("ema_twin_sim.simulation.twin.Twin._brought_back", lambda *_: False)
     messages = []
     for run in (
         lambda: simulate(away, ramp, "current"),
@@ -94,3 +100,13 @@ def test_one_that_diverges_is_told_as_if_it_ran_alone(stock):
             run()
         messages.append(str(refused.value))
     assert messages[0] == messages[1]
+
+
+@pytest.mark.parametrize("beside", [0, 6])
+def test_one_that_runs_away_is_brought_back_as_if_it_ran_alone(stock, away, beside):
+    ramp = virtual_bench(stock, parse_command("ramp:0.05"), 3.0)
+    alone = simulate(away, ramp, "current").signals
+    together = simulate_many([*varied(stock, beside), away], ramp, "current")[-1].signals
+    assert np.abs(alone["speed"]).max() > 1e7
+    for name in ("speed", "motor_position", "output_position"):
+        np.testing.assert_array_equal(together[name], alone[name])

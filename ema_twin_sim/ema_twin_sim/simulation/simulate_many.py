@@ -11,7 +11,7 @@ from ema_bench_replay.recording import Recording
 
 from ..model import Model
 from ..parallel import simulations
-from ..plant.layout import BENCH, CURRENT, SETPOINT, TWIN
+from ..plant.layout import BENCH, CURRENT, SETPOINT, TWIN, UNEXPLAINED_OUT
 from ..plant.many import LANE, advance_many
 from .divergence import looks_lost
 from .simulate import BY_MOTOR, POINTWISE, bench_of, choose_input, followed, seen, simulate, started
@@ -57,9 +57,15 @@ def simulate_many(
         else:
             rows = [followed(twins[job[0]], recording, bench)]
         for k, of_one in zip(job, rows, strict=True):
-            # a diverged one is run again by itself, to report when and in which state
             lost = any(map(looks_lost, (*of_one[ROWS_AT_A_TIME::ROWS_AT_A_TIME], of_one[-1])))
-            found[k] = seen(models[k], recording, followed(twins[k], recording, bench) if lost else of_one)
+            found[k] = seen(models[k], recording, alone(models[k]) if lost else of_one)
+
+    def alone(model: Model) -> np.ndarray:
+        """Rows of one that diverged: run again by itself to report when and in which state, or to be brought back."""
+        whole = bench_of(recording)
+        rows = followed(started(model, recording, whole, chosen, step), recording, whole)
+        rows[:, UNEXPLAINED_OUT] = math.nan
+        return rows
 
     list(simulations(run, jobs))
     return [found[k] for k in range(len(models))]
