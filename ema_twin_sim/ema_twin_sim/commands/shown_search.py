@@ -46,7 +46,8 @@ def show_search(found: Discovery, without: Sequence[str] = ()) -> None:
         left = found.unseen
         say(
             f"Remaining error: {quantity(left.rmse[-1], left.unit)} of the {left.signal.replace('_', ' ')}; "
-            f"the sensors' noise is {quantity(left.noise_floor, left.unit)}."
+            f"the sensors' noise is {quantity(left.noise_floor, left.unit)}"
+            + (", which hides it in single samples, but not in many." if left.rmse[-1] < left.noise_floor else ".")
         )
     if found.unseen.refitted and not found.steps:
         say(refit_sentence(found.unseen))
