@@ -295,10 +295,7 @@ def _searched(
         return found, wander is None or _explained_without_wander(found.fit, start)
     if wander is not None:
         return found, False
-    beside = wandering_after_all(found, excluded, start, progress)
-    if beside is not None:
-        return beside, False
-    return found, False
+    return wandering_after_all(found, excluded, start, progress) or found, False
 
 
 def _explained_without_wander(f: Fit, start: Fit) -> bool:

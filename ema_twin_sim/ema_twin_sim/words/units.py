@@ -62,7 +62,7 @@ def _end_words(look: Outlook) -> str:
     return "has passed its limit" if passed else f"reaches its limit in {life_words(look)}"
 
 
-def named_words(test: JudgedTest) -> str:
+def _named_words(test: JudgedTest) -> str:
     """The fault family that a test's recordings give together: *play 97 %*; empty if none is off."""
     if not test.detected:
         return ""
@@ -70,7 +70,7 @@ def named_words(test: JudgedTest) -> str:
     return "unknown" if named is None else f"{named.family.value} {100.0 * named.probability:.0f} %"
 
 
-def change_words(test: JudgedTest) -> str:
+def _change_words(test: JudgedTest) -> str:
     """What changed in the recording of a test that is farthest from the healthy ones, or why it could not be judged."""
     worst = test.worst
     if worst.detected is None:
@@ -85,7 +85,7 @@ def health_words(health: UnitHealth | None) -> str:
     if not health.off:
         return f"like its healthy tests ({len(health.tests)} others)"
     last = health.off[-1]
-    return f"{len(health.off)} of {len(health.tests)} tests deviate, the last {last.name}: {named_words(last)}"
+    return f"{len(health.off)} of {len(health.tests)} tests deviate, the last {last.name}: {_named_words(last)}"
 
 
 def missing_words(unit: Unit) -> str:
@@ -114,4 +114,4 @@ def result_cells(unit: Unit, row: Mapping[str, Any]) -> tuple[str, ...]:
 def test_cells(test: JudgedTest) -> tuple[str, ...]:
     """One of a unit's tests, below ``TEST_HEAD``."""
     distance = f"{test.worst.distance:.1f} ×" if test.judged else ""
-    return test.name, f"{test.detected}/{test.judged}", distance, named_words(test), change_words(test)
+    return test.name, f"{test.detected}/{test.judged}", distance, _named_words(test), _change_words(test)
