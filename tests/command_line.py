@@ -53,9 +53,9 @@ def done(*arguments, **options):
 
 def done_here(*arguments):
     """The same verbs in this process, where many follow each other: each process of its own imports for two seconds."""
-    from ema_twin_sim.commands.main import app
+    from ema_twin_sim.commands.main import application
 
-    assert not app([*map(str, arguments)], standalone_mode=False, prog_name="ema-twin")
+    assert not application()([*map(str, arguments)], standalone_mode=False, prog_name="ema-twin")
 
 
 def told(errors):

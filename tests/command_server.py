@@ -20,7 +20,7 @@ from pathlib import Path
 from tests.child import exit_status
 
 _AGREED = "ema-twin command server"
-_READ = ("commands.main", "discovery.diagnose", "discovery.plan", "fitting.fit", "new_machine.drafts", "report.page")
+_READ = ("discovery.diagnose", "discovery.plan", "fitting.fit", "new_machine.drafts", "report.page")
 """With what these import, what most commands need."""
 
 
@@ -63,7 +63,9 @@ def serve(orders, answers):
     for name in _READ:
         import_module(f"ema_twin_sim.{name}")
     from ema_twin_sim import compare, load_model, parse_command, virtual_bench
+    from ema_twin_sim.commands.main import application
 
+    application()  # imports every verb
     stock = load_model("polito_bench")
     compare([virtual_bench(stock, parse_command("ramp:0.05"), 0.2)], stock)  # its kernels are loaded
     gc.collect()

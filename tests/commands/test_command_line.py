@@ -131,8 +131,17 @@ def test_json_on_the_standard_output(ramp):
 
 def test_commands_that_need_no_physics_do_not_load_it():
     """It takes half a second to import, and tab completion and --help wait for it."""
-    code = "import sys; import ema_twin_sim.commands.main; sys.exit('numba' in sys.modules or 'numpy' in sys.modules)"
+    code = "import sys; from ema_twin_sim.commands.main import application; application(); "
+    code += "sys.exit('numba' in sys.modules or 'numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_verb_is_read_without_the_others():
+    code = "import sys; from ema_twin_sim.commands import main; sys.argv[1:] = ['info', '--help']\n"
+    code += "try: main.main()\nexcept SystemExit: pass\n"
+    code += "print(*[verb for verb in main.VERBS if f'ema_twin_sim.commands.{verb}' in sys.modules])"
+    told = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
+    assert told.splitlines()[-1] == "info"
 
 
 def test_diff_tells_what_two_models_differ_in(tmp_path):

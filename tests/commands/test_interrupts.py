@@ -75,7 +75,7 @@ def fail(**_):
         raise ImportError("half of a library") from None
 def drop(**_):
     Dropped()
-main.app = {"fail": fail, "drop": drop, "typer": lambda **_: 130}[sys.argv[1]]
+main.application = lambda _: {"fail": fail, "drop": drop, "typer": lambda **_: 130}[sys.argv[1]]
 main.main()
 """
     for case in ("fail", "drop", "typer"):
@@ -87,7 +87,7 @@ def test_an_interrupt_after_all_is_done_changes_nothing():
     program = """
 import atexit, os, signal
 from ema_twin_sim.commands import main
-main.app = lambda **_: atexit.register(os.kill, os.getpid(), signal.SIGINT) and 0
+main.application = lambda _: lambda **_: atexit.register(os.kill, os.getpid(), signal.SIGINT) and 0
 main.main()
 """
     result = ended(program)

@@ -7,7 +7,7 @@ import pytest
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_twin_sim.commands import add, init, shown_live
-from ema_twin_sim.commands.main import app
+from ema_twin_sim.commands.main import application
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.model import load_model
 from ema_twin_sim.nodes.live_session import LiveResult
@@ -111,7 +111,7 @@ def test_columns_that_only_some_traces_have_are_told(tmp_path, capsys, servo):
 )
 def test_a_seed_that_is_none_is_refused_in_our_words(seed, told):
     with pytest.raises(Exception) as refused:
-        app(["simulate", "-m", "polito_bench", "-o", "run.mcap", f"--seed={seed}"], standalone_mode=False)
+        application()(["simulate", "-m", "polito_bench", "-o", "run.mcap", f"--seed={seed}"], standalone_mode=False)
     assert told in refused.value.format_message()
 
 
@@ -126,7 +126,7 @@ def test_a_seed_that_is_none_is_refused_in_our_words(seed, told):
 )
 def test_a_number_that_is_none_is_refused_with_its_bounds_and_unit(options, told):
     with pytest.raises(Exception) as refused:
-        app(["init", "trace.csv", "-o", "servo", *options], standalone_mode=False)
+        application()(["init", "trace.csv", "-o", "servo", *options], standalone_mode=False)
     assert re.search(told, refused.value.format_message())
 
 

@@ -9,6 +9,9 @@ from __future__ import annotations
 import os
 import re
 import sys
+from collections.abc import Collection
+from importlib import import_module
+from keyword import iskeyword
 from typing import Annotated
 
 import typer
@@ -17,46 +20,31 @@ from ema_bench_replay.errors import InputError
 
 from .. import interrupts
 from ..version import VERSION
-from . import (
-    add,
-    campaign,
-    compare,
-    demo,
-    diagnose,
-    diff,
-    discover,
-    effects,
-    export,
-    fit,
-    import_,
-    info,
-    init,
-    live,
-    plan,
-    recover,
-    remove,
-    report,
-    simulate,
-    sweep,
-    units,
-)
 from .output import tell_of_compiling
 
-app = typer.Typer(
-    name="ema-twin",
-    no_args_is_help=True,
-    rich_markup_mode="rich",
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-    help="Digital twin of an electromechanical actuator: compare a model with recordings, see where it fails, "
-    "add what is missing, watch the error fall.",
-)
-for verb in (
-    init, import_, compare, diagnose, discover, report, fit, plan, campaign, units, sweep, live, simulate, add, remove,
-    effects, info, diff, export, recover, demo,
-):  # fmt: skip
-    name = verb.__name__.rpartition(".")[2].rstrip("_")
-    app.command(name, epilog=verb.EXAMPLES)(verb.run)
+VERBS = (
+    "init", "import", "compare", "diagnose", "discover", "report", "fit", "plan", "campaign", "units", "sweep", "live",
+    "simulate", "add", "remove", "effects", "info", "diff", "export", "recover", "demo",
+)  # fmt: skip
+"""The verbs in the order of the help; each is a file of this folder."""
+
+
+def application(verbs: Collection[str] = VERBS) -> typer.Typer:
+    """The command line with these verbs; whoever runs one verb need not wait for the others to be imported."""
+    app = typer.Typer(
+        name="ema-twin",
+        no_args_is_help=True,
+        rich_markup_mode="rich",
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
+        help="Digital twin of an electromechanical actuator: compare a model with recordings, see where it fails, "
+        "add what is missing, watch the error fall.",
+        callback=_options,
+    )
+    for verb in verbs:
+        file = import_module(f".{verb}_" if iskeyword(verb) else f".{verb}", __package__)
+        app.command(verb, epilog=file.EXAMPLES)(file.run)
+    return app
 
 
 def _print_version(wanted: bool) -> None:
@@ -65,7 +53,6 @@ def _print_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
 def _options(
     version: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
@@ -78,8 +65,9 @@ def main() -> None:
     """Run the command line and end with the exit status listed above."""
     interrupts.watch()
     tell_of_compiling()
+    named = [verb for verb in sys.argv[1:2] if verb in VERBS]
     try:
-        status = app(standalone_mode=False, prog_name="ema-twin") or 0
+        status = application(named or VERBS)(standalone_mode=False, prog_name="ema-twin") or 0
         if status == interrupts.STATUS:  # how typer passes a KeyboardInterrupt on
             interrupts.end()
         interrupts.finish(status)
