@@ -68,14 +68,16 @@ METHOD = {
     "discovery/experiment/command_grid.py": (
         "LONGEST _SHORTEST _NICE _FEW_SPEEDS _SPEEDS _FEW_HALVES _HALVES _TIME_OF_SIZE"
     ),
-    "discovery/experiment/doubts.py": "ALTERNATIVES _MOVING",
+    "discovery/experiment/doubts.py": "ALTERNATIVES",
     "discovery/experiment/next_command.py": "_TURNS _FINALISTS _FEW_FINALISTS _RUNNERS_UP _SIDE_BY_SIDE",
     "discovery/experiment/rival_field.py": "_STEP STEPS",
     "discovery/experiment/suggestion.py": "SLOW FAST",
     "discovery/followed.py": "SECONDS STEPS ENOUGH TRIED FINER UNCOUNTED",
     "discovery/left_over.py": "_BINS _FEWEST",
     "discovery/search/adding.py": "ENTRANTS SECOND_LOOKS NEXT_TO_NOTHING",
-    "discovery/search/found_orders.py": "HIGHEST HIGHEST_OF_MOTOR MOST FEWEST_TURNS SLOW LEAST_DIGITS MOST_DIGITS SAME",
+    "discovery/search/found_orders.py": (
+        "HIGHEST HIGHEST_OF_MOTOR MOST FEWEST_TURNS MANY_CYCLES SLOW LEAST_DIGITS MOST_DIGITS SAME"
+    ),
     "discovery/search/rivals.py": "SWAPS",
     "discovery/search/search_order.py": "MORE",
     "discovery/search/unknown.py": "MOST_ROUNDS TRIED",

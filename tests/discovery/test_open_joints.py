@@ -2,15 +2,18 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.criteria.reversals import shows_where_slowest
+from ema_twin_sim.discovery.criteria.worth import has_effect_size
 from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.discovery.experiment.doubts import reverses
 from ema_twin_sim.discovery.search.found_orders import resolved
-from ema_twin_sim.identification.candidates import Candidate
+from ema_twin_sim.identification.candidates import Candidate, candidates
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.hypothesis import null_hypothesis
@@ -19,6 +22,7 @@ from ema_twin_sim.identification.uncertainty import covariance
 from ema_twin_sim.measured.observation import observe_all
 from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.model import load_model
+from ema_twin_sim.plant.measured_motion import SPEED
 
 NOISE = 0.02  # A
 PERIOD = 0.01  # s
@@ -61,6 +65,78 @@ def test_an_order_that_was_not_recorded_twice_is_not_looked_for(order, offered, 
     option = Candidate("cogging", {"order": order})
     problem, h = in_own_units(moved(turns=0.5), joint)
     assert resolved(problem, [option], h.base) == ([option] if offered else [])
+
+
+def test_many_cycles_within_a_quarter_of_a_turn_are_a_wave(joint):
+    """Fifty to a turn are a dozen in a quarter of one; a tooth that was passed once is not seen to repeat."""
+    few, many = Candidate("cogging", {"order": "16"}), Candidate("cogging", {"order": "50"})
+    tooth = Candidate("tooth_fault", {"order": "1", "kind": "conservative"})
+    problem, h = in_own_units(moved(turns=0.22), joint)
+    assert resolved(problem, [few, many, tooth], h.base) == [many]
+
+
+def test_a_wave_within_a_quarter_of_a_turn_is_found_beside_a_load(joint):
+    """The load over the angle has more power, in all of the low orders, which are one wave over so little of a turn."""
+
+    def bent(time, angle, speed):
+        return 0.8 * np.cos(50.0 * angle + 0.3) + 12.0 * angle
+
+    found = discover([moved(bent, turns=0.22, seed=k) for k in (1, 2)], joint)
+    wave = found.model.effects["cogging"]
+    assert wave.options["order"] == "50"
+    assert wave.parameters["torque"] == pytest.approx(0.8, rel=0.1)
+    assert "tooth_fault" not in found.added
+
+
+def test_a_spring_is_no_friction_that_gives_way(joint):
+    """Dry friction that gives way over all of the travel is a spring's torque."""
+
+    def pulled(time, angle, speed):
+        return 6.0 * angle
+
+    assert discover([moved(pulled, seed=k) for k in (1, 2)], joint).added == ("spring_load",)
+    problem, h = in_own_units(moved(pulled), joint)
+    bristle = h.with_effect("presliding_friction", {}, {"stiffness": 0.1, "damping": 0.0})
+    assert not has_effect_size(problem, fit(problem, h), fit(problem, bristle))
+
+
+def test_a_load_that_took_the_place_of_two_is_judged_by_what_all_of_them_removed(joint):
+    """Over so little of a turn gravity is a constant load and a spring; its own step, after theirs, removes nothing."""
+    time = np.arange(4000) * 2.5e-3
+    share = np.arcsin(np.sin(2.0 * math.pi * time / 3.3)) / (0.5 * math.pi)
+    angle = 1.67 * share
+    speed = np.gradient(angle, 2.5e-3)
+    torque = 1e-4 * np.gradient(speed, 2.5e-3) + 0.023 * np.tanh(100.0 * speed)
+    torque += 0.0937 - 0.02 * np.exp(-10.0 * (share + 0.3) ** 2)
+    current = torque + 1e-4 * np.random.default_rng(1).standard_normal(len(time))
+    signals = {"current": current, "speed": speed, "motor_position": angle}
+    run = Recording("arm", np.arange(len(time)) * 2_500_000, signals, motor_angle_origin=0.0)
+    machine = joint.with_value("machine.torque_constant", 1.0).with_value("machine.gear_ratio", 101.0)
+    machine = machine.with_value("sensors.current_noise", 1e-4).with_value("sensors.sample_period", 2.5e-3)
+    found = discover([run], machine)
+    assert found.verdict == "explained"
+    assert {*found.added} <= {"gravity_load", "constant_load", "spring_load"}
+    assert found.unseen.removed(0, -1) > 0.99
+
+
+@pytest.mark.parametrize(("backward", "told"), [(0.5, True), (0.01, False)])
+@pytest.mark.parametrize("second", [1e-3, 1.0])
+def test_a_motion_reverses_whatever_its_own_second_is(backward, told, second):
+    """Half of it went backward, in however little of the machine's own time; a rebound at the end is no motion."""
+    motion = np.zeros((1000, SPEED + 1))
+    motion[:, SPEED] = np.where(np.arange(1000) < 1000 * backward, -1.0, 1.0)
+    problem = SimpleNamespace(observations=[SimpleNamespace(motion=motion, period=0.01 * second)])
+    assert reverses(problem) is told
+
+
+def test_an_inertia_that_is_open_is_not_added_to(joint, stock):
+    """Two numbers for one inertia would each be known to nothing."""
+
+    def offered(model):
+        return {c.effect for c in candidates(null_hypothesis(model))}
+
+    assert "added_inertia" in offered(stock)
+    assert "added_inertia" not in offered(joint)
 
 
 def pulse(angle, height=3.0):

@@ -10,7 +10,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.measured.balance_estimate import estimate_balance
 from ema_twin_sim.measured.observation import observe, observe_all
-from ema_twin_sim.measured.scales import rms_torque, standstill
+from ema_twin_sim.measured.scales import begun_near, rms_torque, standstill
 from tests.large_arm import COULOMB, INERTIA, VISCOUS, open_arm
 
 
@@ -38,6 +38,29 @@ def test_an_inertia_shows_where_acceleration_goes_with_the_angle(arm):
     assert found is not None
     assert found.inertia == pytest.approx(INERTIA, rel=0.3)
     assert found.coulomb == pytest.approx(COULOMB, rel=0.3)
+
+
+@pytest.mark.parametrize("guess", [1e-4, 1e4])
+def test_an_inertia_that_does_not_show_is_not_the_guess_of_the_model(guess, arm):
+    """At steady speed to and fro the inertia acts at the reversals alone: it is set to what could hide there."""
+    time = np.arange(20_000) * 2e-3
+    rise = np.arcsin(np.sin(time)) * 2.0 / math.pi
+    speed = 0.3 * np.sign(np.cos(time))
+    torque = COULOMB * np.sign(speed) + VISCOUS * speed
+    noise = np.random.default_rng(5).standard_normal(len(time))
+    signals = {
+        "current": (torque + 3.0 * noise) / arm.value("machine.torque_constant"),
+        "motor_position": 0.3 * rise * math.pi / 2.0,
+        "speed": speed,
+    }
+    run = Recording("to_and_fro", np.arange(len(time)) * 2_000_000, signals, motor_angle_origin=0.0)
+    begun = begun_near([run], replace(arm, constants={**arm.constants, **_guessed(arm, guess)}))
+    assert 1e-3 < begun.value("machine.motor_inertia") < 10.0
+
+
+def _guessed(model, inertia):
+    held = model.constants["machine.motor_inertia"]
+    return {"machine.motor_inertia": replace(held, value=inertia, tolerance=math.inf)}
 
 
 def test_standstill_is_at_most_a_tenth_of_the_fastest_motion(arm):

@@ -331,7 +331,7 @@ def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
         followed = unseen.output_removed(first, len(unseen.rmse) - 1) >= PART
         if parting and not followed and removed is not None and removed < PART:
             return parting
-        there = unseen.removed(k, k + 1)
+        there = unseen.removed(first, k + 1 if first == k else len(unseen.rmse) - 1)
         by_encoders = all(catalogue()[added[name].effect].depends_on == "encoders" for name in came)
         if real and came and not by_encoders and there is not None and there <= 0.0:
             return tuple(came)
@@ -343,10 +343,10 @@ def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
 def _before_both(found: Search, k: int) -> int:
     """First round at which neither the effects of round ``k`` nor the effects they replaced were present.
 
-    A rival need not be better than the effect it replaces.
+    A rival need not be better than the effect it replaces, in this round or a later one.
     """
-    turn = found.taken[k]
-    gone = {*turn.removed} if turn.reason in {BEATEN, SURER} else set()
+    swaps = (turn for turn in found.taken[k:] if turn.reason in {BEATEN, SURER})
+    gone = {name for turn in swaps for name in new_names(turn.after, turn.before)}
     return next((j for j, earlier in enumerate(found.taken[:k]) if not gone.isdisjoint(earlier.added)), k)
 
 

@@ -38,6 +38,8 @@ def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Can
             continue
         if effect.electrical and h.base.pole_pairs is None:
             continue
+        if effect.depends_on == "acceleration" and h.inertia_is_open:
+            continue  # the same number twice
         added = [dict(instance.options) for instance in h.added.values() if instance.effect == id]
         for choice in itertools.product(*effect.options.values()):
             options = dict(zip(effect.options, choice, strict=True))

@@ -135,6 +135,11 @@ class Hypothesis:
         return any(free.path == "scale.inertia" for free in self.free)
 
     @property
+    def inertia_is_open(self) -> bool:
+        """Whether the inertia of the model is only the start of a fit."""
+        return any(free.path == "scale.inertia" and free.prior is None for free in self.free)
+
+    @property
     def parted(self) -> bool:
         """Whether motor side and output side have separate free parameters."""
         return any(free.path.startswith(SIDED) for free in self.free)

@@ -38,7 +38,10 @@ class BalanceEstimate:
 
 
 def estimate_balance(recordings: Sequence[Recording], model: Model, torque: float) -> BalanceEstimate | None:
-    """The estimate from recordings of a motion; ``torque`` is the drive's rms torque. None if no inertia shows."""
+    """The estimate from recordings of a motion; ``torque`` is the drive's rms torque. None if there is no motion.
+
+    If no inertia is significant, it is set to its standard error, which says at least how large it may be.
+    """
     moving = [r for r in spread(recordings) if r.has("current", "motor_position") and not r.of_points and len(r) > ROWS]
     found: BalanceEstimate | None = None
     for _ in range(PASSES):
@@ -49,7 +52,7 @@ def estimate_balance(recordings: Sequence[Recording], model: Model, torque: floa
         shown = (_regressed(parts, loads) for loads in LOADS)
         estimate = next((estimate for estimate in shown if estimate is not None), None)
         if estimate is None:
-            return found
+            return found or _regressed(parts, LOADS[0], significant=False)
         found = estimate
     return found
 
@@ -83,8 +86,10 @@ def _rows(recording: Recording, model: Model, own_time: float | None) -> tuple[n
     return np.stack(columns, 1)[kept], drive[kept]
 
 
-def _regressed(parts: Sequence[tuple[np.ndarray, np.ndarray]], loads: Sequence[int]) -> BalanceEstimate | None:
-    """Least squares over all recordings with some ``loads``; None if the inertia is not significant."""
+def _regressed(
+    parts: Sequence[tuple[np.ndarray, np.ndarray]], loads: Sequence[int], *, significant: bool = True
+) -> BalanceEstimate | None:
+    """Least squares over all recordings with some ``loads``; None if the inertia is not ``significant``."""
     columns = np.concatenate([part[0][:, [0, 1, 2, *loads]] for part in parts])
     torque = np.concatenate([part[1] for part in parts])
     if len(torque) < 3 * columns.shape[1]:
@@ -97,6 +102,10 @@ def _regressed(parts: Sequence[tuple[np.ndarray, np.ndarray]], loads: Sequence[i
     spread = float(left @ left) / max(len(torque) - len(values), 1)
     covariance = spread * np.linalg.pinv(scaled.T @ scaled, hermitian=True)
     inertia, viscous, coulomb = values[:3] / size[:3]
-    if inertia <= 0.0 or values[0] ** 2 < CONTRADICTED**2 * covariance[0, 0]:
+    error = math.sqrt(covariance[0, 0]) / size[0]
+    if significant and inertia < CONTRADICTED * error:
+        return None
+    inertia = max(float(inertia), error)
+    if inertia == 0.0:
         return None
     return BalanceEstimate(float(inertia), max(float(viscous), 0.0), max(float(coulomb), 0.0))

@@ -23,6 +23,7 @@ from ...criteria import (
     LEAST_SIZE_BESIDE_IMPACTS,
     LEAST_SIZE_LIKE_FRICTION,
     NEGLIGIBLE,
+    PART,
     SHAKY,
     SMALL,
 )
@@ -32,7 +33,8 @@ from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.sensors import delay_shows
-from ...model.roles import SENSOR_DELAY, SENSOR_WAVE
+from ...model.roles import BRISTLE, DRY_FRICTION, SENSOR_DELAY, SENSOR_WAVE
+from ...plant.measured_motion import MOTOR_ANGLE
 
 STRAY_ROWS = 2  # of a recording, or 1 % of it: a single start or spike is no dependence
 BY_CONSTANTS = frozenset({"speed", "acceleration", "current"})
@@ -109,6 +111,7 @@ def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> b
     came = {n: held.effect for n, held in after.hypothesis.added.items() if n not in before.hypothesis.added}
     if any(
         _does_nothing(after, name)
+        or _never_slides(problem, after, name)
         or _too_large(problem, after, name)
         or _within_counts(after, name)
         or _within_steps(problem, after, name)
@@ -227,3 +230,14 @@ def _does_nothing(f: Fit, name: str) -> bool:
         return False
     upper = next(free.upper for free in f.hypothesis.free if free.path == path)
     return f.hypothesis.by_path[path] >= (1.0 - NEGLIGIBLE) * upper
+
+
+def _never_slides(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
+    """Whether a bristle gives way over a considerable part of the travel: it is a spring then, or some other load."""
+    instance = f.hypothesis.instance(name)
+    if instance.effect != BRISTLE:
+        return False
+    active = f.hypothesis.model().active.values()
+    dry = sum(held.parameters["torque"] for held in active if held.effect == DRY_FRICTION)
+    travel = max((float(np.ptp(o.motion[:, MOTOR_ANGLE])) for o in problem.observations), default=0.0)
+    return dry > PART * travel * instance.parameters["stiffness"]

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...criteria import CORRELATION, FAR_OUT, LEAST_SIZE, LIKELY, SIGNIFICANT, STANDSTILL
+from ...criteria import CORRELATION, FAR_OUT, LEAST_SIZE, LIKELY, NEGLIGIBLE, SIGNIFICANT, STANDSTILL
 from ...effects import Trait, catalogue, effects_with
 from ...identification.candidates import Candidate, candidates
 from ...identification.equation import EquationErrorProblem
@@ -30,7 +30,6 @@ from ..search.trace import Search
 ALTERNATIVES = 3
 """Explanations that are compared with a found effect."""
 NOTHING = "none"
-_MOVING = 0.1  # own s of motion that count as motion in a direction
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,10 +97,10 @@ def doubts(
 
 
 def reverses(problem: EquationErrorProblem) -> bool:
-    """Whether the recordings contain motion in both directions."""
+    """Whether more than a negligible share of the recorded motion is in the other direction."""
     forward = sum(float(np.sum(o.motion[:, SPEED] > STANDSTILL)) * o.period for o in problem.observations)
     backward = sum(float(np.sum(o.motion[:, SPEED] < -STANDSTILL)) * o.period for o in problem.observations)
-    return min(forward, backward) > _MOVING
+    return min(forward, backward) > NEGLIGIBLE * (forward + backward)
 
 
 def information(f: Fit) -> np.ndarray:

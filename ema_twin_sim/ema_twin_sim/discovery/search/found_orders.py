@@ -22,7 +22,8 @@ from ...plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED
 HIGHEST = 160
 HIGHEST_OF_MOTOR = 24  # of the motor's encoder
 MOST = 3  # orders that are tried in a round
-FEWEST_TURNS = 0.4  # of the motor
+FEWEST_TURNS = 0.4  # of the motor, for orders of few cycles in them
+MANY_CYCLES = 8.0  # of a wave that less of a turn shows
 SLOW = 0.1  # quantile of the speeds: slow motion resolves a wave that fast motion skips
 LEAST_DIGITS, MOST_DIGITS = 3, 15  # digits that an order is written with
 SAME = 1e-4  # rad, within which two points count as one angle
@@ -122,22 +123,24 @@ def highest_order(o: Observation) -> float:
 def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], model: Model) -> list[Candidate]:
     """The candidates that the recordings can resolve.
 
-    Left out are: effects that repeat with each turn, if the motor made too little of one; orders that operating points
-    do not resolve; and, on a machine with unknown orders, waves of which less than two cycles were recorded. Over part
-    of a turn, as in a torsion test, waves of several orders imitate any shape.
+    Left out are: effects that repeat with each turn, if the motor made too little of one and not many of their cycles;
+    orders that operating points do not resolve; and, on a machine with unknown orders, waves of which less than two
+    cycles were recorded. Over part of a turn, as in a torsion test, waves of several orders imitate any shape.
     """
-    turns = max((float(np.ptp(o.motion[:, MOTOR_ANGLE])) for o in problem.observations), default=0.0) / (2.0 * np.pi)
+    turns = _turns(problem)
     of_points = all(o.of_points for o in problem.observations)
     highest = max((highest_order(o) for o in problem.observations), default=np.inf) if of_points else np.inf
 
     def shows(c: Candidate) -> bool:
         effect = catalogue()[c.effect]
-        repeats = effect.depends_on != "encoders" and any(p.periodic for p in effect.parameters)
+        repeats = effect.depends_on == "order" or (
+            effect.depends_on != "encoders" and any(p.periodic for p in effect.parameters)
+        )
         by_turns = repeats and effect.depends_on != "output_position"
         order = motor_order(c.effect, float(c.options.get("order", 1.0)), model.value("machine.gear_ratio"))
         # Gravity, which has no free order, is known to exist; a slow bend of torque over angle looks like a wave.
         unseen = model.other_orders and turns * order < 2.0 and (by_turns or "order" in c.options)
-        if (by_turns and turns < FEWEST_TURNS) or (repeats and unseen):
+        if (by_turns and turns < FEWEST_TURNS and turns * order < MANY_CYCLES) or (repeats and unseen):
             return False
         return "order" not in c.options or order < highest
 
@@ -147,8 +150,9 @@ def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], model:
 def standing_out(problem: EquationErrorProblem, f: Fit, gear_ratio: float | None = None) -> list[int]:
     """The orders with the most power, in cycles per motor turn, up to what the samples resolve.
 
-    With a ``gear_ratio``: in cycles per output turn, without those that are also whole for the motor, and without order
-    1, which is gravity.
+    Over part of a turn, neighbouring orders are the same wave, and only the strongest of them counts. With a
+    ``gear_ratio``: in cycles per output turn, without those that are also whole for the motor, and without order 1,
+    which is gravity.
     """
     at_output = gear_ratio is not None
     per_turn = gear_ratio or 1.0
@@ -157,17 +161,31 @@ def standing_out(problem: EquationErrorProblem, f: Fit, gear_ratio: float | None
         angle = o.motor_origin + o.motion[o.rows, MOTOR_ANGLE]
         if at_output:
             angle = o.output_origin + o.motion[o.rows, OUTPUT_ANGLE]
-        if not len(angle) or np.ptp(angle) < 2.0 * np.pi * FEWEST_TURNS:
+        if not len(angle):
             continue
+        turns = float(np.ptp(angle)) / (2.0 * np.pi)
+        lowest = 0.0 if turns >= FEWEST_TURNS else MANY_CYCLES / turns if turns > 0.0 else math.inf
         highest = highest_order(o) * per_turn
         residual = f.residual[part] - f.residual[part].mean()
         turn = np.exp(1j * angle)
         wave = np.ones(len(angle), complex)
         for order in range(1, HIGHEST + 1):
             wave *= turn
-            if order < highest and not (at_output and (order == 1 or _is_whole(order / per_turn))):
+            if lowest < order < highest and not (at_output and (order == 1 or _is_whole(order / per_turn))):
                 power[order] += abs(residual @ wave) ** 2 / len(angle)
-    return [int(order) for order in np.argsort(-power)[:MOST] if power[order] > 0.0]
+    apart = 1.0 / min(max(_turns(problem) / per_turn, 1.0 / HIGHEST), 1.0)
+    found: list[int] = []
+    for order in np.argsort(-power):
+        if len(found) == MOST or power[order] == 0.0:
+            break
+        if all(abs(order - other) >= apart for other in found):
+            found.append(int(order))
+    return found
+
+
+def _turns(problem: EquationErrorProblem) -> float:
+    """The most motor turns of any recording."""
+    return max((float(np.ptp(o.motion[:, MOTOR_ANGLE])) for o in problem.observations), default=0.0) / (2.0 * np.pi)
 
 
 def _is_whole(order: float) -> bool:
