@@ -69,7 +69,7 @@ def _asked_for(asked: argparse.Namespace, solve: Solvers) -> dict[str, Any]:
         print("", limit_table(found, benches), sep="\n")
         return {"limits": found}
     if asked.leave_out:
-        cases = experiments.left_out_cases(asked.seed, asked.cases or len(experiments.SWEPT))
+        cases = _only(asked, experiments.left_out_cases(asked.seed, asked.cases or len(experiments.SWEPT)))
         return _left_out(_shown(solve(cases, [case.kind for case in cases]), cases))
     if asked.calibration:
         cases, excluded = calibration_cases(asked.seed, asked.cases or 300)
@@ -85,11 +85,11 @@ def _asked_for(asked: argparse.Namespace, solve: Solvers) -> dict[str, Any]:
     if asked.planned:
         return _planned(asked.seed, asked.planned, solve)
     if asked.null:
-        cases = experiments.null_cases(asked.seed, asked.null)
+        cases = _only(asked, experiments.null_cases(asked.seed, asked.null))
     elif asked.other_machines:
         cases = _only(asked, other_machine_cases(asked.seed, asked.other_machines))
     elif asked.robust:
-        cases = experiments.robustness_cases(asked.seed, asked.cases or 12)
+        cases = _only(asked, experiments.robustness_cases(asked.seed, asked.cases or 12))
     else:
         cases = _default_cases(asked)
     return _report(_shown(solve(cases), cases))

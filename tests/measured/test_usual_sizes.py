@@ -5,6 +5,7 @@ import pytest
 
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.discovery.diagnose import weigh
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.measured.usual_sizes import unusual_currents, unusual_sizes
 from ema_twin_sim.model import load_model
@@ -56,6 +57,7 @@ def test_discover_repeats_the_question(tmp_path):
     found = discover(runs, load_model(drafted(tmp_path, runs)))
     [asked] = [warning for warning in found.misread if "mA" in warning and "read as A?" in warning]
     assert found.warnings[0] == asked and "\n" not in asked
+    assert weigh(found).as_json()["misread"] == [*found.misread]
 
 
 def test_compare_asks_before_it_shows_an_error(tmp_path):

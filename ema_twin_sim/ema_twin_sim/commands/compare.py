@@ -53,10 +53,10 @@ def run(
             recordings, models, input, step=step, progress=partial(_tell, done), within=partial(_tell_within, done)
         )
     misread = dict.fromkeys(text for c in comparisons for text in c.misread)
-    warn_of([*misread], recordings)
+    warn_of(misread, recordings)
     show_comparison(comparisons, labels=model, start=start or 0.0)
     warned = dict.fromkeys(text for c in comparisons for text in c.warnings)
-    warn_of([text for text in warned if text not in misread], recordings)
+    warn_of(warned, recordings, told=misread)
     first, *others = comparisons
     beside = [{**other.as_json(), "times_closer": closer(first, other).as_json()} for other in others]
     write_json(json, [first.as_json(), *beside] if beside else first.as_json())

@@ -82,12 +82,12 @@ def run(
             both = (given.model, found.model)
             labels = (given.model.name, "with the effects found")
             tabs = write_rrd(rrd, given.recordings, both, labels, findings_of(found, diagnosis), force=force)
-    warn_of(found.misread, given.recordings)
+    warn_of(diagnosis.misread, given.recordings)
     say(verdict_of(found, without=given.without), style="bold")
     show(diagnosis)
     for text in order_sentences(found.model, found.parameters):
         say(text)
-    warn_of([text for text in diagnosis.warnings if text not in found.misread], given.recordings)
+    warn_of(diagnosis.warnings, given.recordings, told=diagnosis.misread)
     write_findings(json, diagnosis.as_json(), found)
     if rrd is not None:
         tell_of_rrd(rrd, tabs)

@@ -85,7 +85,7 @@ def run(
     show_search(found, given.without)
     show_doubts(found.groups, found.next_recording)
     say(f"\nThe search ended: {found.stopped}.")
-    warn_of([text for text in found.warnings if text not in found.misread], given.recordings)
+    warn_of(found.warnings, given.recordings, told=found.misread)
     is_new = bool(found.added or found.constants)
     for line in _written(output, model, is_new=is_new):
         say(line)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -59,10 +59,11 @@ def write_evidence_bag(found: Discovery, recordings: Sequence[Recording], file: 
     write_evidence(found, used, file, force=force)
 
 
-def warn_of(warnings: Sequence[str], recordings: Sequence[Recording]) -> None:
-    """Print the warnings except the recordings' own, which were printed when they were read."""
+def warn_of(warnings: Iterable[str], recordings: Sequence[Recording], told: Collection[str] = ()) -> None:
+    """Print the warnings except those ``told`` before and the recordings' own, which were told when they were read."""
+    known = {*told, *(warning for recording in recordings for warning in recording.warnings)}
     for warning in warnings:
-        if all(warning not in recording.warnings for recording in recordings):
+        if warning not in known:
             warn(warning)
 
 

@@ -72,6 +72,7 @@ class Diagnosis:
     next_recording: str
     warnings: tuple[str, ...]
     beyond_noise: Mapping[str, float]  # by signal still above the noise at the end: how many times
+    misread: tuple[str, ...] = ()  # the warnings that put all findings in doubt
 
     def as_json(self) -> dict[str, object]:
         """SI units; missing numbers are null."""
@@ -94,6 +95,7 @@ class Diagnosis:
             "depends_on": list(self.depends_on),
             "next_recording": self.next_recording,
             "warnings": list(self.warnings),
+            "misread": list(self.misread),
             "beyond_noise": dict(self.beyond_noise),
         }
 
@@ -173,6 +175,7 @@ def weigh(found: Discovery) -> Diagnosis:
         found.next_recording,
         found.warnings,
         found.beyond_noise,
+        found.misread,
     )
 
 
