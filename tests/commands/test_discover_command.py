@@ -330,8 +330,11 @@ def test_constants_that_moved_within_their_errors_are_told():
         "machine": {"motor_inertia": held(1.004, 0.01), "output_inertia": held(1.2, 0.01)},
         "transmission": {"contact_damping": held(1.0, 3e4)},
         "viscous_friction": {"coefficient": held(0.998, 0.01)},
+        "coulomb_friction": {"torque": held(1e-3, 2.0)},
     }
-    assert moved_slightly(SimpleNamespace(constants=constants)) == ["motor inertia +0.4 %", "viscous friction -0.2 %"]
+    slightly, unknown = moved_slightly(SimpleNamespace(constants=constants))
+    assert slightly == ["motor inertia +0.4 %", "viscous friction -0.2 %"]
+    assert unknown == ["Coulomb friction = 0.0 ± 2.0 kg m^2"]
 
 
 def test_of_what_is_unlikely_three_are_shown():

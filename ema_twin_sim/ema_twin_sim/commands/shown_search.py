@@ -71,9 +71,11 @@ def show_search(found: Discovery, without: Sequence[str] = ()) -> None:
         console.print(moved)
     if told := output_sentence(found.model, _shown_names(found)):
         say(told)
-    slightly = moved_slightly(found)
+    slightly, unknown = moved_slightly(found)
     if slightly:
         say(f"\n{'Also refitted' if moved.row_count else 'Refitted'}, within standard errors: {', '.join(slightly)}.")
+    if unknown:
+        say(f"\nThese recordings do not show: {', '.join(unknown)}.")
 
 
 def show_doubts(groups: Sequence[Sequence[str]], next_recording: str) -> None:
@@ -174,16 +176,22 @@ def _constants(found: Discovery) -> ReportTable:
     return table
 
 
-def moved_slightly(found: Discovery) -> list[str]:
-    """The constants that moved by less than their standard error: ``motor inertia +0.4 %``."""
+def moved_slightly(found: Discovery) -> tuple[list[str], list[str]]:
+    """The constants that moved by less than their standard error: ``motor inertia +0.4 %``.
+
+    Second, those of them whose error is larger than their value, which no change describes: ``inertia = 0 ± 3 g m^2``.
+    """
     from ..model.constants import PARTS
 
-    moved = []
+    moved, unknown = [], []
     constants: Mapping[str, Mapping[str, Any]] = found.constants
     for part, entries in constants.items():
         for name, held in entries.items():
-            distance = abs(held["value"] - held["nominal"])
-            if held["nominal"] and _LEAST_CHANGE * abs(held["nominal"]) < distance <= (held["std"] or 0.0):
+            distance, std = abs(held["value"] - held["nominal"]), held["std"] or 0.0
+            if held["nominal"] and _LEAST_CHANGE * abs(held["nominal"]) < distance <= std:
                 named = name.replace("_", " ") if part in PARTS else effect_words(part)
-                moved.append(f"{named} {change_words(held)}")
-    return moved
+                if std < abs(held["value"]):
+                    moved.append(f"{named} {change_words(held)}")
+                else:
+                    unknown.append(f"{named} = {estimate(held['value'], std, held['unit'])}")
+    return moved, unknown
