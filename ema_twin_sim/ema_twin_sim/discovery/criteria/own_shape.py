@@ -15,7 +15,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ...criteria import APART, DEPENDS, INTERPOLATED, MISFIT_DOUBTED, MISFIT_LEFT, MOSTLY, NEARLY_ALL
+from ...criteria import APART, DEPENDS, INTERPOLATED, MISFIT_DOUBTED, MISFIT_LEFT, MOSTLY, NEARLY_ALL, TOO_MUCH
 from ...effects import catalogue
 from ...identification.comparable import by_chance, refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
@@ -60,6 +60,12 @@ def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool
         little = (1.0 - NEARLY_ALL) * parted
         return all(_of_these(f, part) <= little * (part.stop - part.start) for part in parts)
     return all(_of_these(f, part) <= _lines(part) for part in parts) and _mostly(problem, f, bare)
+
+
+def hardly_part(f: Fit) -> bool:
+    """Whether the encoders differ by no more than they do on real machines with right models."""
+    rows = f.problem.rows - f.problem.size
+    return _of_the_encoders(f.problem, f) <= (TOO_MUCH**2 - 1.0) * rows
 
 
 def explains_the_torque(f: Fit, name: str) -> bool:

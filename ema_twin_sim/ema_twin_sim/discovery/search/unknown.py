@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
 
+from ...criteria import RIVAL_MARGIN
 from ...effects import Trait, catalogue, effects_with
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
@@ -16,7 +18,14 @@ from ...identification.screening import screen_generic_bases
 from ..criteria.episodes import episodes
 from ..criteria.explained import apart
 from ..criteria.likeness import likenesses
-from ..criteria.own_shape import by_own_shape, explains_the_torque, is_play, only_teeth, parts_the_encoders
+from ..criteria.own_shape import (
+    by_own_shape,
+    explains_the_torque,
+    hardly_part,
+    is_play,
+    only_teeth,
+    parts_the_encoders,
+)
 from ..criteria.plausible import only_constants, strained
 from ..criteria.worth import BY_CONSTANTS, NOTHING_ELSE, is_lacked
 from .adding import add_best
@@ -130,8 +139,9 @@ def _doubtful(found: Search) -> list[str]:
     # An output that lags affects inertia and friction, as it does in a search by torque alone.
     like_lag = effects_with(Trait.LIKE_PLAY_OR_SPRING) if lags else frozenset()
     drawn = {n for n in added if added[n].effect in like_lag and not explains_the_torque(found.fit, n)}
-    if drawn and _has_gearbox(problem, found.fit):  # the lag is in the model: it draws no constant any more
-        drawn -= {name for name in drawn if over[name] in NOTHING_ELSE}
+    if drawn and _has_gearbox(problem, found.fit):  # the lag is in the model: it draws no constant any more, and
+        # no effect either where hardly any of it is left
+        drawn -= {name for name in drawn if over[name] in NOTHING_ELSE or hardly_part(found.fit)}
     if (own != {*added} or drawn) and (beside := beside_wandering(found)) is not None:
         # If each recording has its own speed, a basis over speed also fits what differs between recordings because
         # friction wanders. An effect that holds once the wandering is part of the noise is not doubted for that.
@@ -146,6 +156,8 @@ def _doubtful(found: Search) -> list[str]:
     by_encoders = {name for name in added if over[name] == "encoders"} if lags else set()
     stands -= {name for name in by_encoders if not _explains(problem, found.fit, name)}
     stands -= {name for name in stands if is_play(found.fit, name) and only_teeth(problem, found.fit, name)}
+    if not found.fit.parted and _gearbox_explains_more(found):
+        stands -= {name for name in stands if catalogue()[added[name].effect].delays}
     doubtful = [name for name in added if name not in stands]
     if {added[name].effect for name in doubtful}.isdisjoint(COMPLIANT_EFFECTS):
         return [name for name in added if name in doubtful or name in drawn]
@@ -162,6 +174,24 @@ def _explains(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     """
     compliant = f.hypothesis.added[name].effect in COMPLIANT_EFFECTS and not is_play(f, name)
     return (compliant and explains_the_torque(f, name)) or parts_the_encoders(problem, f, name)
+
+
+def _gearbox_explains_more(found: Search) -> bool:
+    """Whether backlash or compliance, too small to be named, gained clearly more than a late encoder in some round.
+
+    An output lags behind a gearbox that gives way as well.
+    """
+    for turn in found.rounds:
+        late, gearbox = -math.inf, -math.inf
+        for trial in turn.tried:
+            came = {trial.fit.hypothesis.added[n].effect for n in trial.names if n in trial.fit.hypothesis.added}
+            if any(catalogue()[id].delays for id in came):
+                late = max(late, trial.gain)
+            elif not came.isdisjoint(COMPLIANT_EFFECTS):
+                gearbox = max(gearbox, trial.gain)
+        if math.isfinite(late) and gearbox > late + RIVAL_MARGIN:
+            return True
+    return False
 
 
 def _has_gearbox(problem: EquationErrorProblem, f: Fit) -> bool:
