@@ -34,7 +34,7 @@ def standing_position(recording: Recording) -> float | None:
     position, speed = position[np.isfinite(position)], speed[np.isfinite(speed)]
     if min(len(position), len(speed)) < FEWEST:
         return None
-    way = float(np.ptp(travelled_by_speed(recording)))
+    way = float(np.ptp(np.cumsum(speed))) * recording.sample_period  # of the samples: nobody knows what a pause hides
     walked = reading_noise(speed) * recording.sample_period * math.sqrt(len(speed))  # by white noise alone
     return way if way > FAR_OUT * walked and float(np.ptp(position)) <= NEGLIGIBLE * way else None
 
