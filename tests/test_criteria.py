@@ -16,7 +16,7 @@ ROUNDING = 1e-4  # smaller ones, and the reciprocals of such, keep arithmetic fr
 METHOD = {
     "measured/balance_estimate.py": "FIRST_WIDTH LEAST_WIDTH PASSES KERNEL ROWS LOADS",
     "measured/bandwidth.py": "NARROWER",
-    "measured/consistency.py": "WINDOW FEWEST PIECE DEGREES RPM TURN SETPOINT",
+    "measured/consistency.py": "PIECE DEGREES RPM TURN SETPOINT",
     "measured/folds.py": "FEWEST_OF_BOTH BLOCKS",
     "measured/load_sensor.py": "_WIDTH _SHARE _ENDS _SPEED _MOTION",
     "measured/observation.py": "START JITTER LEAST_NOISE LARGEST",
@@ -26,6 +26,7 @@ METHOD = {
     "measured/spoilt_samples.py": "NEIGHBOURS",
     "measured/switching_ripple.py": "_FINER",
     "measured/twist.py": "SMOOTHED FEWEST AT_ENDS",
+    "measured/way_by_speed.py": "WINDOW FEWEST",
     "identification/compliance.py": (
         "STIFFNESS DAMPING WIDTHS ABOUT HOLDING SIDES CONTACTS OUTPUT_SHARE SOFTER HARDLY HOPELESS RIVAL SPRINGY"
     ),

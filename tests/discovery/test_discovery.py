@@ -148,7 +148,7 @@ def test_recordings_that_cannot_be_judged_are_refused(plain, stock):
     with pytest.raises(InputError, match="a diagnosis needs longer ones"):
         observe(plain[0].between(0.0, 0.05), stock)
     still = record(stock, ["ramp:0.0001"], 5.0)
-    with pytest.raises(InputError, match="record longer, or move faster"):
+    with pytest.raises(InputError, match="needs more of it: move faster"):
         observe_all(still, stock)
 
 

@@ -14,6 +14,7 @@ from ema_twin_sim.identification.joined_motions import JoinedMotions
 from ema_twin_sim.measured.smoothing import gaussian, smooth_at
 from ema_twin_sim.model import EffectInstance
 from ema_twin_sim.plant.measured_motion import MOTOR_ANGLE, REQUIRED, REQUIRED_TORQUE, SPEED, inverse_dynamics
+from ema_twin_sim.plant.output_side import LOW_SPEED
 from ema_twin_sim.simulation.assembly import assemble
 from tests.few_rows import few_rows
 
@@ -55,7 +56,7 @@ def test_all_recordings_together_need_what_each_needs_alone(problem, recordings,
     for k, o in enumerate(recordings):
         required = np.empty((len(o.motion), len(REQUIRED)))
         of = (assembly.plant, assembly.effects, o.motion, o.motor_origin, o.output_origin)
-        inverse_dynamics(*of, np.zeros(0), False, required)
+        inverse_dynamics(*of, np.zeros(0), False, LOW_SPEED, required)
         assert np.array_equal(predicted.required_by_recording[k], required)
         torque = np.empty(len(o.rows))
         smooth_at(required[:, REQUIRED_TORQUE].copy(), o.kernel, o.rows, torque)

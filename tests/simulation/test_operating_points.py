@@ -186,8 +186,8 @@ def test_the_way_a_point_was_come_to():
     assert not approached(np.zeros(100)).any()
 
 
-def test_lone_points_are_judged_by_halves(held):
-    odd, even = operating_point_folds([held])
+def test_lone_points_are_judged_by_halves(held, motor):
+    odd, even = operating_point_folds([held], motor)
     assert len(odd) + len(even) == len(held)
     assert abs(len(odd) - len(even)) < 0.02 * len(held)
     for part in (odd, even):  # both span the whole, and share no place
@@ -195,8 +195,8 @@ def test_lone_points_are_judged_by_halves(held):
     places = [set(np.round(part.signals["motor_position"], 9)) for part in (odd, even)]
     assert len(places[0] & places[1]) <= 8
     top = points("top", motor_position=np.r_[np.zeros(20), np.ones(40)], current=np.arange(60.0))
-    assert min(len(part) for part in operating_point_folds([top])) >= 24
-    assert operating_point_folds([held, held]) == [held, held]
+    assert min(len(part) for part in operating_point_folds([top], motor)) >= 24
+    assert operating_point_folds([held, held], motor) == [held, held]
 
 
 def test_what_points_cannot_tell_is_refused(held, motor, stock):

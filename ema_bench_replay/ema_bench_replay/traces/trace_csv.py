@@ -39,6 +39,8 @@ __all__ = ["read_trace", "write_trace"]
 _UNEQUAL = 0.01
 # Share of rows that may repeat the time of the row before: a clock too coarse for its sampling. More means it is stuck.
 _REPEATED = 0.1
+# Share of rows at the end that may all tell the same time: a clock that stopped before the log did.
+_STOPPED = 0.5
 # Similarity of two names (difflib's ratio) from which one may be a misspelling of the other.
 _NEARLY_THE_SAME = 0.85
 
@@ -126,11 +128,19 @@ class _Trace:
         unit = in_brackets[1] if in_brackets and in_brackets[1] in TIME_UNITS else self.map.time_unit
         stamps = _stamps(table.columns[places[0]], unit)
         back, repeats = _not_rising(stamps)
-        if 0 < repeats.size <= _REPEATED * len(stamps) and not back.size:
-            self._warn(
-                f"{repeats.size} row{'s' if repeats.size > 1 else ''} (the first in line {table.line(repeats[0])}) "
-                "tell the time of the row before: left out"
-            )
+        few, stopped = _left_out(repeats, len(stamps))
+        if few.size + stopped.size and not back.size:
+            if stopped.size:
+                last = stopped[0] - 1
+                self._warn(
+                    f"the clock stops in line {table.line(last)}, at {table.columns[places[0]][last]:.10g} {unit}: the "
+                    f"{stopped.size} rows below it, which tell the same time, are left out"
+                )
+            if few.size:
+                self._warn(
+                    f"{few.size} row{'s' if few.size > 1 else ''} (the first in line {table.line(few[0])}) "
+                    "tell the time of the row before: left out"
+                )
             self.table = table = table.without(repeats)
             stamps = _stamps(table.columns[places[0]], unit)
             back, repeats = _not_rising(stamps)
@@ -140,6 +150,9 @@ class _Trace:
             how, remedy = "goes back", "cut the file there, it holds more than one run"
             if not back.size:
                 how, remedy = "repeats", f"{repeats.size} of {len(values)} rows do: export it with more decimals"
+                if (stopped := _last_run(repeats, len(values))).size > _STOPPED * len(values):
+                    row = int(stopped[0])
+                    how, remedy = "stops", f"all {stopped.size} rows from here on tell the same: cut them off"
             shown = f"{values[row]:.10g} {unit} after {values[row - 1]:.10g} {unit}"
             raise InputError(f"{table.place(row)}: column {name!r}: time {how} ({shown}); {remedy}")
         if len(stamps) < 2:
@@ -315,6 +328,29 @@ def _stamps(time: np.ndarray, unit: str) -> np.ndarray:
 def _not_rising(stamps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Indices of the samples (m,) whose stamps go back, and of those (k,) that repeat the previous stamp."""
     return steps_where(lambda steps: steps < 0, stamps) + 1, steps_where(lambda steps: steps == 0, stamps) + 1
+
+
+def _left_out(repeats: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Of the samples (m,) that repeat the previous stamp: a few anywhere, and those after which the clock stopped.
+
+    Both are empty if more of ``count`` samples repeat than a good clock explains.
+    """
+    none = repeats[:0]
+    if repeats.size <= _REPEATED * count:
+        return repeats, none
+    stopped = _last_run(repeats, count)
+    few = repeats[: repeats.size - stopped.size]
+    if stopped.size >= _STOPPED * count or few.size > _REPEATED * (count - stopped.size):
+        return none, none
+    return few, stopped
+
+
+def _last_run(repeats: np.ndarray, count: int) -> np.ndarray:
+    """Those of the indices (m,) that follow each other up to the last of ``count`` samples."""
+    if not repeats.size or repeats[-1] != count - 1:
+        return repeats[:0]
+    breaks = np.flatnonzero(np.diff(repeats) != 1)
+    return repeats[int(breaks[-1]) + 1 if breaks.size else 0 :]
 
 
 def _slope(leader: np.ndarray, follower: np.ndarray) -> tuple[float, float]:

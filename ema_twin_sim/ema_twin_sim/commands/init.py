@@ -122,7 +122,7 @@ def run(
             if guess.column not in drafts.left_out:
                 say(f"{guess.column} → {guess.signal}{in_unit(guess)}")
         for column, reason in drafts.left_out.items():
-            say(f"{column}: not used as the load: {reason}")
+            say(f"{column}: {reason}")
         warn_of_foreign_units(guesses)
         joint = (guesses.joint.sentence,) if guesses.joint.number else ()
         say_what_it_rests_on(*files, (*joint, *assumed_units(guesses), *drafts.assumed))

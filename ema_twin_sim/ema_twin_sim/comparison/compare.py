@@ -136,7 +136,7 @@ def compare(
         for name, part in parts.items():
             stretches[name].append(part)
         error = _torque_error(recording, model) if chosen == "current" else None
-        result = shown_errors(model, _of_the_drive(model, running.result(), recordings))
+        result = shown_errors(model, of_the_drive(model, running.result(), recordings))
         rows = running.independent
         if "current" not in result and "current" in decisive:  # the errors are those of the drive's torque
             decisive["motor_torque"] = decisive.pop("current")
@@ -162,7 +162,7 @@ def compare(
         model.name,
         together,
         tuple(compared),
-        shown_errors(model, _of_the_drive(model, pooled.result(), recordings)),
+        shown_errors(model, of_the_drive(model, pooled.result(), recordings)),
         pooled.independent,
         tuple(where),
         (
@@ -232,7 +232,7 @@ def overall_errors(recordings: Sequence[Recording], model: Model, noise: Mapping
 
     for running in simulations(beside, matched, inputs):
         pooled.include(running)
-    return together, shown_errors(twin, _of_the_drive(twin, pooled.result(), matched))
+    return together, shown_errors(twin, of_the_drive(twin, pooled.result(), matched))
 
 
 def _beside(
@@ -285,7 +285,7 @@ def _dependences(
     return find_dependences(name, unit, native, torque, motion="linear", standstill=slow * way)
 
 
-def _of_the_drive(model: Model, signals: Signals, recordings: Sequence[Recording]) -> Signals:
+def of_the_drive(model: Model, signals: Signals, recordings: Sequence[Recording]) -> Signals:
     """The errors, with the current's given as the drive's torque if no recording has a current."""
     if not by_torque(recordings):
         return signals

@@ -150,9 +150,9 @@ def discover(
     noise = noise_of(recordings, model)
     given, given_recordings = model, recordings
     rotary, began = to_rotary_equivalent(recordings, model)
-    rotary = operating_point_folds(rotary)
+    rotary = operating_point_folds(rotary, began)
     recordings, model = to_own_units(recordings, model)
-    recordings, awake = operating_point_folds(recordings), model
+    recordings, awake = operating_point_folds(recordings, model), model
     model = with_output_held(at_rest(model, recordings), recordings)
     refuse_inconsistent(recordings, model)
     problem = EquationErrorProblem([with_switching_ripple(o, model) for o in observe_all(list(recordings), model)])
@@ -249,7 +249,7 @@ def discover(
             *(ONE_DIRECTION if problem.size and not points and not reverses(problem) else ()),
             *(ALONE if len(recordings) == 1 else ()),
             *(() if problem.size else WITHOUT_TORQUE),
-            *own_not_shown(recordings, without),
+            *own_not_shown(recordings, model, without),
         ),
         unseen,
         found,
@@ -265,7 +265,7 @@ def discover(
 
 def excluded_effects(recordings: Sequence[Recording], model: Model, without: Sequence[str]) -> frozenset[str]:
     """Effects not searched for: those in ``without``, and those that the recordings or the machine cannot show."""
-    return frozenset(without) | _impossible(model) | not_shown(recordings)
+    return frozenset(without) | _impossible(model) | not_shown(recordings, model)
 
 
 def _impossible(model: Model) -> frozenset[str]:

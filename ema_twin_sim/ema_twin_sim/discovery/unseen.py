@@ -17,6 +17,7 @@ from ..identification.fit import Fit, fit
 from ..identification.uncertainty import held_out
 from ..identification.unseen_encoders import parting
 from ..model import Model
+from ..model.matching import by_torque
 from ..model.own_units import in_si, shown
 from ..parallel import simulations
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
@@ -120,6 +121,20 @@ class Unseen:
             judged_from_output=None if self.judged_from_output is None else way * self.judged_from_output,
         )
 
+    def as_torque(self, constant: float) -> Unseen:
+        """Errors of a current [A] as those of the torque that was recorded in its place; ``constant`` [N m/A]."""
+        return replace(
+            self,
+            signal="motor_torque",
+            unit="N m",
+            noise_floor=constant * self.noise_floor,
+            rmse=tuple(constant * value for value in self.rmse),
+            recordings=tuple((name, tuple(constant * value for value in values)) for name, values in self.recordings),
+            given=constant * self.given,
+            given_recordings=tuple(constant * value for value in self.given_recordings),
+            judged_from=constant * self.judged_from,
+        )
+
     def as_json(self) -> dict[str, object]:
         """For ``--json``."""
         output = "encoder_difference" if self.encoders else "output_position"
@@ -220,7 +235,7 @@ def judge_unseen(
     if as_given or not pooled[1, 0] < pooled[0, 0]:  # fitting open constants while an effect is missing may mislead
         pooled[1], each[1] = pooled[0], each[0]
         of_output[1:2] = of_output[:1]
-    return Unseen(
+    unseen = Unseen(
         signal,
         unit,
         noise[signal],
@@ -233,6 +248,9 @@ def judge_unseen(
         of_output[0] if of_output else None,
         *judged_from,
     )
+    if signal == "current" and by_torque(recordings):
+        return unseen.as_torque(given.value("machine.torque_constant"))
+    return unseen
 
 
 def gain_where_unseen(f: Fit) -> float:

@@ -50,7 +50,7 @@ def tells(signal: str, error: SignalError, errors: Errors) -> bool:
 
     With the current as input, everything but the unexplained torque drifts.
     """
-    by_current = errors.get("current", {"driven": False})["driven"]
+    by_current = any(errors[name]["driven"] for name in ("current", "motor_torque") if name in errors)
     return not error["driven"] and (signal == "unexplained_torque" or not by_current)
 
 

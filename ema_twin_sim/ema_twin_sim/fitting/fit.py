@@ -12,7 +12,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
-from ..comparison.compare import shown_errors
+from ..comparison.compare import of_the_drive, shown_errors
 from ..comparison.torque_error import TorqueError, torque_error
 from ..criteria import CONTRADICTED
 from ..effects import catalogue
@@ -118,9 +118,9 @@ def fit_model(
     noise = noise_of(recordings, model)
     given = model
     rotary, as_filed = to_rotary_equivalent(recordings, model)
-    rotary = operating_point_folds(rotary)
+    rotary = operating_point_folds(rotary, as_filed)
     recordings, model = to_own_units(recordings, model)
-    recordings, awake = operating_point_folds(recordings), model
+    recordings, awake = operating_point_folds(recordings, model), model
     model = at_rest(model, recordings)
     refuse_inconsistent(recordings, model)
     sources = [choose_input(recording, model, source) for recording in recordings]
@@ -152,7 +152,7 @@ def fit_model(
     findings += [Finding("recording", recordings[0].name, "", text) for text in blind]
     shown = [k for k, number in enumerate(solution.freedom.numbers) if number.path != LAG]
     own_before, own_after, before, after = (
-        shown_errors(as_given, each)
+        shown_errors(as_given, of_the_drive(as_given, each, rotary))
         for each in (*(errors_of(one, rotary, sources, noise) for one in (as_given, in_si(fitted))), before, after)
     )
     hit = _parts_encoders(fitted)

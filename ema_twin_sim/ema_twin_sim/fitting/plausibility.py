@@ -48,7 +48,7 @@ def top_speed(recording: Recording, model: Model) -> float:
     over as many samples as make its steps negligible.
     """
     if recording.of_points:
-        return float(np.nanmax(np.abs(directed(recording).signals["speed"])))
+        return float(np.nanmax(np.abs(directed(recording, model.value("sensors.speed_noise")).signals["speed"])))
     if recording.has("speed"):
         return float(np.nanmax(np.abs(recording.signals["speed"])))
     known = np.isfinite(recording.signals["motor_position"])

@@ -7,7 +7,14 @@ from numba import boolean, float64, int64, njit, void
 
 from ..measured.smoothing import smooth_at
 from ..plant.measured_motion import REQUIRED_TORQUE, inverse_dynamics, inverse_dynamics_of
+from ..plant.output_side import LOW_SPEED
 from ..plant.signatures import EFFECTS, INDICES, PLANTS, TABLE
+
+
+@njit(error_model="numpy")
+def _fading(kernel_starts, k):
+    """Speed [rad/s] below which the direction of recording ``k`` fades; 0 for operating points, whose kernel is 1."""
+    return 0.0 if kernel_starts[k + 1] - kernel_starts[k] == 1 else LOW_SPEED
 
 
 @njit(
@@ -32,7 +39,7 @@ def require(
         position = seen[begin:stop] if has_seen[k] else seen[:0]
         inverse_dynamics(
             plant, effects, motion[begin:stop], origins[k, 0], origins[k, 1], position, reuse_output_motion,
-            required[begin:stop],
+            _fading(kernel_starts, k), required[begin:stop],
         )  # fmt: skip
         smooth_at(
             required[begin:stop, REQUIRED_TORQUE].copy(),
@@ -63,8 +70,9 @@ def require_of(
         begin, stop = starts[k], starts[k + 1]
         alone = np.empty(stop - begin)
         value = inverse_dynamics_of(
-            plant, address, place, slots, motion[begin:stop], origins[k, 0], origins[k, 1], required[begin:stop], alone
-        )
+            plant, address, place, slots, motion[begin:stop], origins[k, 0], origins[k, 1], _fading(kernel_starts, k),
+            required[begin:stop], alone,
+        )  # fmt: skip
         least = min(least, value)
         smooth_at(
             alone,

@@ -32,9 +32,8 @@ from .load_sensor import falls_with_load
 from .observation import Observation, observe
 from .smoothing import smooth_at
 from .twist import parts_by_angle
+from .way_by_speed import FEWEST, lag_of, standing_position, steady_factor, way_by_speed
 
-WINDOW = 0.1  # own s over which displacements are compared
-FEWEST = 30  # samples needed
 PIECE = 300.0  # own s that are judged at once: more takes memory and adds nothing
 
 _ALSO = {
@@ -159,6 +158,7 @@ def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recordi
             f"{factor.signal} {factor.other}{mistake}",
             factor.value,
         )
+    yield from _by_standing(recording, model)
     yield from _by_load(recording)
     yield from _by_limit(recording, model)
     yield from _by_noise(recording, model, beside)
@@ -168,7 +168,7 @@ def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recordi
 def _factors(recording: Recording, model: Model) -> Iterator[_Factor]:
     """The factors between all related signals that have a steady ratio."""
     signals = recording.signals
-    lag = _lag(recording)
+    lag = lag_of(recording)
 
     def way(name: str) -> np.ndarray:
         return signals[name][lag:] - signals[name][:-lag]
@@ -193,14 +193,6 @@ def _factors(recording: Recording, model: Model) -> Iterator[_Factor]:
         yield from told("output_command", "output_position", way("output_command"), expected, SETPOINT)
 
 
-def way_by_speed(recording: Recording) -> float | None:
-    """Motor displacement over the displacement that the speed implies; None if that ratio is not steady."""
-    if not recording.has("speed", "motor_position"):
-        return None
-    lag, position, travelled = _lag(recording), recording.signals["motor_position"], _travelled(recording)
-    return steady_factor(position[lag:] - position[:-lag], travelled[lag:] - travelled[:-lag])
-
-
 def is_usual_mistake(times: float) -> bool:
     """Whether a factor between displacement and speed is one that units cause."""
     sizes = (size for unit in (DEGREES, RPM, TURN, 1000.0) for size in (unit, 1.0 / unit))
@@ -216,37 +208,6 @@ def _goes_as_far(recording: Recording, model: Model) -> bool:
         low, high = np.nanquantile(recording.signals[name], (1.0 - ALL_BUT_SPIKES, ALL_BUT_SPIKES))
         spans.append(float(high - low))
     return abs(spans[0] * model.value("machine.gear_ratio") - spans[1]) <= SMALL * spans[1]
-
-
-def _lag(recording: Recording) -> int:
-    """Number of samples over which displacements are taken."""
-    return max(1, round(WINDOW / recording.sample_period)) if len(recording) > 1 else 1
-
-
-def _travelled(recording: Recording) -> np.ndarray:
-    """Displacement (n,) [rad] implied by the speed, bridging missing samples; NaN if there is no speed at all."""
-    speed = recording.signals["speed"]
-    known = np.isfinite(speed)
-    if not known.any():
-        return np.full(len(speed), np.nan)
-    speed = np.interp(recording.time, recording.time[known], speed[known])
-    return np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(recording.time))])
-
-
-def steady_factor(values: np.ndarray, expected: np.ndarray, fewest: int = FEWEST) -> float | None:
-    """Ratio of the values (n,) to the expected ones (n,); None if it is not steady.
-
-    At least ``fewest`` of the expected values must be large.
-    """
-    both = np.isfinite(values) & np.isfinite(expected)
-    values, expected = values[both], expected[both]
-    large = np.abs(expected) > PART * np.abs(expected).max(initial=0.0)
-    if large.sum() < fewest:
-        return None
-    ratios = values[large] / expected[large]
-    middle = float(np.median(ratios))
-    spread = 1.4826 * float(np.median(np.abs(ratios - middle)))
-    return middle if spread < SMALL * abs(middle) else None
 
 
 def _mistake(factor: _Factor, model: Model) -> str:
@@ -282,6 +243,20 @@ def _mistake(factor: _Factor, model: Model) -> str:
         if abs(abs(value) - size) <= relation.named * size:
             return f", {words}" + (", and of the other sign" if value < 0.0 else "")
     return ", of the other sign" if abs(value + 1.0) <= relation.named else ""
+
+
+def _by_standing(recording: Recording, model: Model) -> Iterator[Inconsistency]:
+    """Whether the position follows the speed at all."""
+    way = standing_position(recording)
+    if way is not None:
+        turned = quantity(*shown(model, way, "rad"))
+        yield Inconsistency(
+            recording.name,
+            f"motor_position stands still, while by the speed the motor moves by {turned}",
+            "remove the line of motor_position from the import map, so that the speed is integrated instead; or, if "
+            "the speed is wrong, remove that",
+            "standing position",
+        )
 
 
 def _by_load(recording: Recording) -> Iterator[Inconsistency]:

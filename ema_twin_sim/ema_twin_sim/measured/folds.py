@@ -10,6 +10,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ..model import Model
 from ..simulation.behind_motor import of_encoders_alone
 from ..simulation.operating_points import FEWEST, directed
 
@@ -20,16 +21,18 @@ BLOCKS = 8  # of the positions; every other block is judged by the rest
 HALF_OF = "half_of"
 
 
-def operating_point_folds(recordings: Sequence[Recording]) -> list[Recording]:
+def operating_point_folds(recordings: Sequence[Recording], model: Model) -> list[Recording]:
     """Split a single recording of operating points in two, so that each can be judged by the other.
 
     Every other eighth of its positions goes to one half; if it has only one position, every other point. Other
-    recordings, and those with few points, are returned unchanged.
+    recordings, and those with few points, are returned unchanged. They are in the units of the ``model``, whose sensors
+    say which points are at rest.
     """
     refuse_mixed(recordings)
     if len(recordings) != 1 or not recordings[0].of_points or len(recordings[0]) < FEWEST_OF_BOTH:
         return list(recordings)
-    whole = directed(recordings[0])  # in a part, the direction of approach to a point is no longer visible
+    # in a part, the direction of approach to a point is no longer visible
+    whole = directed(recordings[0], model.value("sensors.speed_noise"))
     position = whole.signals.get("motor_position")
     rank = np.arange(len(whole))
     if position is not None and np.nanmax(position) > np.nanmin(position):

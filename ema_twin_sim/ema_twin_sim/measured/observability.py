@@ -13,22 +13,25 @@ from ..effects import Trait, catalogue, effects_with
 from ..effects.catalogue import is_own
 from ..model import Model
 from ..simulation.behind_motor import of_encoders_alone
-from ..simulation.operating_points import HOLDING
+from ..simulation.operating_points import moves
 
 PLACES = frozenset({"order", "output_position", "encoders"})
 """Quantities whose effects do not show if no position is known."""
 
 
-def not_shown(recordings: Sequence[Recording]) -> frozenset[str]:
-    """Effects that the recordings cannot show, because none holds a torque or all are of operating points."""
+def not_shown(recordings: Sequence[Recording], model: Model) -> frozenset[str]:
+    """Effects that the recordings cannot show, because none holds a torque or all are of operating points.
+
+    The recordings are in the units of the ``model``, whose sensors say which points are at rest.
+    """
     if all(map(of_encoders_alone, recordings)):
         return frozenset(id for id, effect in catalogue().items() if effect.depends_on != "encoders")
-    return _not_at_points(recordings)
+    return _not_at_points(recordings, model)
 
 
-def own_not_shown(recordings: Sequence[Recording], without: Collection[str]) -> tuple[str, ...]:
+def own_not_shown(recordings: Sequence[Recording], model: Model, without: Collection[str]) -> tuple[str, ...]:
     """One sentence if users' own effects (except ``without``) were not searched for, as no torque was measured."""
-    hidden = not_shown(recordings) - {*without} if all(map(of_encoders_alone, recordings)) else frozenset()
+    hidden = not_shown(recordings, model) - {*without} if all(map(of_encoders_alone, recordings)) else frozenset()
     own = sorted(id for id in hidden if is_own(catalogue()[id]))
     if not own:
         return ()
@@ -38,13 +41,12 @@ def own_not_shown(recordings: Sequence[Recording], without: Collection[str]) -> 
     )
 
 
-def _not_at_points(recordings: Sequence[Recording]) -> frozenset[str]:
+def _not_at_points(recordings: Sequence[Recording], model: Model) -> frozenset[str]:
     """Effects that operating points cannot show, if all recordings are of this kind."""
     if not all(recording.of_points for recording in recordings):
         return frozenset()
     hidden = effects_with(Trait.TRANSIENT) | effects_with(Trait.BY_CURRENT)
-    speeds = [np.abs(r.signals["speed"]) for r in recordings if r.has("speed")]
-    if not any(float(np.nanmax(speed)) > HOLDING for speed in speeds):
+    if not any(moves(recording, model.value("sensors.speed_noise")) for recording in recordings):
         hidden |= effects_with(Trait.NOT_AT_REST)
     positions = [r.signals["motor_position"] for r in recordings if r.has("motor_position")]
     if not any(float(np.nanmax(position) - np.nanmin(position)) > 0.0 for position in positions):
@@ -54,7 +56,7 @@ def _not_at_points(recordings: Sequence[Recording]) -> frozenset[str]:
 
 def at_rest(model: Model, recordings: Sequence[Recording]) -> Model:
     """Disable the effects that operating points at rest cannot show; ``restored`` enables them again."""
-    hidden = _not_at_points(recordings)
+    hidden = _not_at_points(recordings, model)
     sleeping = {
         name: replace(instance, enabled=False) for name, instance in model.active.items() if instance.effect in hidden
     }

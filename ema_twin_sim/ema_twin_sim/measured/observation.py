@@ -32,6 +32,7 @@ from ..criteria import (
 from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
+from ..quantities import quantity
 from ..reading_noise import reading_noise
 from ..simulation.angle_origins import origins_of
 from ..simulation.behind_motor import of_encoders_alone
@@ -320,14 +321,36 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
         len(rows) * o.period * float(np.diff(rows).min(initial=len(o.motion)))
         for o, rows in zip(found, judged, strict=True)
     )
-    standstill, unit = shown(model, STANDSTILL, "rad/s")
     if sum(map(len, judged)) < LEAST_ROWS:
+        names = ", ".join(o.name for o in found)
+        if unresolved := _unresolved(recordings, model):
+            raise InputError(f"{names}: {unresolved}")
+        standstill, unit = shown(model, STANDSTILL, "rad/s")
         raise InputError(
-            f"{', '.join(o.name for o in found)}: {shown(model, moving, 's')[0]:.2g} s of motion faster than "
-            f"{standstill:.2g} {unit} at the motor; a diagnosis needs more of it: record longer, or move faster"
+            f"{names}: {shown(model, moving, 's')[0]:.2g} s of motion faster than {standstill:.2g} {unit} at the "
+            f"motor; a diagnosis needs more of it: {'record longer, or ' if moving > 0.0 else ''}move faster"
             f"{_without_clock(recordings, model)}"
         )
     return found
+
+
+def _unresolved(recordings: Sequence[Recording], model: Model) -> str:
+    """Why no speed is known, and the remedy, if all move by less than an encoder's step a sample; else empty.
+
+    Friction that only gives way, below its break-away level, lets a shaft move so.
+    """
+    if any(recording.has("speed") for recording in recordings):
+        return ""
+    known = [recording.signals["motor_position"] for recording in recordings if recording.has("motor_position")]
+    known = [position[np.isfinite(position)] for position in known]
+    if not known or not all(np.mean(np.abs(np.diff(position))) < _step(position) for position in known):
+        return ""
+    travel = quantity(*shown(model, max(float(np.ptp(position)) for position in known), "rad"))
+    step = quantity(*shown(model, max(map(_step, known)), "rad"))
+    return (
+        f"the motor moves by {travel} in all, less than an encoder's step ({step}) a sample: it rests, or its friction "
+        "only gives way below break-away, and no direction is known; record it sliding, over a far longer way"
+    )
 
 
 def _without_clock(recordings: list[Recording], model: Model) -> str:

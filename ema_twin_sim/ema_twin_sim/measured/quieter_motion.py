@@ -21,6 +21,7 @@ from ..reading_noise import reading_noise
 from ..simulation.sensor_noise import counter_noise
 from .smoothed_motion import LEAST_PERIODS
 from .smoothing import gaussian, smooth
+from .way_by_speed import standing_position
 
 MOST_PERIODS = 5.0
 """Widest kernel, in sample periods, with which the choice is made: wider ones favour the position ever more."""
@@ -63,6 +64,8 @@ def _noise_and_acceleration(recording: Recording, model: Model) -> tuple[float, 
     that the speed is the better sensor. The width follows from the norms of a Gaussian kernel's derivatives.
     """
     if recording.of_points or not recording.has("speed", "motor_position"):
+        return None
+    if standing_position(recording) is not None:  # it is quiet, and shows nothing
         return None
     speeds, positions = (list(_stretches(recording.signals[name])) for name in ("speed", "motor_position"))
     speed_noise = float(np.median([max(reading_noise(part), _rounding(part)) for part in speeds]))

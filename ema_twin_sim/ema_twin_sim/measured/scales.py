@@ -2,7 +2,8 @@
 
 In own units every machine has the inertia, the typical torque and the torque constant of the bench of the Politecnico
 di Torino, on which the criteria were calibrated. The unit of torque follows from the rms drive torque. The unit of time
-is the time in which that torque turns the inertia by about a radian, sqrt(J / T).
+is the time in which that torque turns the inertia by about a radian, sqrt(J / T); of machines whose operating points
+alone are known, which accelerate no inertia, it follows from the rms speed.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from ..model import Model, reference_bench
 from ..model.own_units import OwnUnits, model_in, recording_in
 from ..model.roles import COMPLIANT_EFFECTS, DRY_FRICTION, FRICTION
 from ..simulation.behind_motor import encoder_units, of_encoders_alone, typical_units
-from ..simulation.operating_points import HOLDING
+from ..simulation.operating_points import moves
 from ..simulation.simulate import POINTWISE
 from .balance_estimate import estimate_balance
 from .quieter_motion import as_measured
@@ -97,7 +98,9 @@ def own_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:
         return OwnUnits(radius=radius)
     size = torque / reference_bench.TORQUE
     time = math.sqrt((inertia / reference_bench.INERTIA) / size)
-    if all(math.isinf(model.constants[path].tolerance) for path in INERTIAS if model.value(path) > 0.0):
+    if steady := [r for r in recordings if r.of_points and moves(r, model.value("sensors.speed_noise"))]:
+        time = reference_bench.MOTOR_SPEED / _rms_speed(steady) * (radius or 1.0)  # nothing accelerates an inertia
+    elif all(math.isinf(model.constants[path].tolerance) for path in INERTIAS if model.value(path) > 0.0):
         time = _quick_enough(recordings, time, radius)
     constant = model.value("machine.torque_constant") * (radius or 1.0)
     return OwnUnits(time, size, size * reference_bench.TORQUE_CONSTANT / constant, radius)
@@ -106,10 +109,10 @@ def own_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:
 def standstill(recordings: Sequence[Recording], model: Model, source: str) -> float:
     """Motor speed [rad/s; of the drum for a linear machine] below which its direction means little.
 
-    ``source`` is the input that drives the twin: with operating points, a motor moves where it was told to.
+    ``source`` is the input that drives the twin: each operating point has a direction, however slow it is.
     """
     if source == POINTWISE:
-        return 0.5 * HOLDING
+        return 0.0  # a point at rest has the direction of its approach
     found = as_measured(recordings, model)
     return STANDSTILL / own_units(found, begun_near(found, model)).time
 
@@ -186,6 +189,12 @@ def drum_radius(recordings: Sequence[Recording]) -> float:
     """Radius [m] of a drum that turns at usual speeds for a linear machine's recordings."""
     fastest = quantile(lambda: _speeds(recordings), NEARLY_ALL)
     return 10.0 ** round(math.log10(fastest / reference_bench.DRUM_SPEED)) if fastest > 0.0 else 1.0
+
+
+def _rms_speed(recordings: Sequence[Recording]) -> float:
+    """Rms speed [rad/s or m/s] at all operating points."""
+    sizes = np.concatenate([*_speeds(recordings)])
+    return float(np.sqrt(np.mean(sizes**2)))
 
 
 def _speeds(recordings: Sequence[Recording]) -> Iterator[np.ndarray]:

@@ -18,8 +18,10 @@ from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.units import unit_in
 
 from ..measured.load_sensor import falls_with_load, follows_load, times_current
+from ..measured.way_by_speed import standing_position
 from ..model import load_model
 from ..model.constants import CONSTANTS
+from ..quantities import quantity
 from .columns import Guess, Guesses
 from .given import Given
 from .map_draft import draft_map
@@ -58,7 +60,13 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     for recording in recordings:
         _refuse_slow_samples(recording, guesses)
     reason = _no_load(recordings, guesses.motion)
-    left_out = {guess.column: reason for guess in guesses.signals if reason and guess.signal == "load_torque"}
+    not_load = f"not used as the load: {reason}" if reason else ""
+    still = _standing(recordings)
+    left_out = {
+        guess.column: why
+        for guess in guesses.signals
+        if (why := {"load_torque": not_load, "motor_position": still}.get(guess.signal, ""))
+    }
     if left_out:
         guesses = guesses.without(tuple(left_out))
         recordings = _read(draft_map(guesses, of, shaft), traces)
@@ -79,7 +87,9 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     unnamed = not any(guess.of_motor for guess in guesses.signals if guess.signal in ("motor_position", "speed"))
     if shaft == Shaft() and unnamed and (slow := too_slow_for_a_motor(recordings, given.gear_ratio)):
         shaft = Shaft("output", given.gear_ratio, f"{slow}: assumed to be the output's angle")
-        guesses = replace(guesses, signals=tuple(map(_of_the_output, guesses.signals)))
+        placed = any(guess.signal == "motor_position" for guess in guesses.signals)
+        why = "assumed to be the output's, like the position" if placed else f"{slow}: assumed to be the output's"
+        guesses = replace(guesses, signals=tuple(_of_the_output(guess, why) for guess in guesses.signals))
         recordings = _read(draft_map(guesses, of, shaft), traces)
         columns = ", ".join(g.column for g in guesses.signals if g.of_output and g.signal in AT_EITHER_SHAFT)
         assumed.append(
@@ -103,16 +113,25 @@ def _no_load(recordings: Sequence[Recording], motion: str) -> str:
     return "" if follows_load(recordings) else "the drive's torque does not follow it"
 
 
+def _standing(recordings: Sequence[Recording]) -> str:
+    """Why a position is of no use: it stands still in all recordings, though the speed says that the motor moves."""
+    moved = [way for way in map(standing_position, recordings) if way is not None]
+    if len(moved) < len(recordings):
+        return ""
+    unit = unit_in("rad", recordings[0].motion)
+    return f"not used: it stands still, while by the speed the motor moves by {quantity(max(moved), unit)}"
+
+
 def _turned_round(guess: Guess) -> Guess:
     """The load's column, to be read with its sign reversed; other columns unchanged."""
     return replace(guess, turned_round=True) if guess.signal == "load_torque" else guess
 
 
-def _of_the_output(guess: Guess) -> Guess:
-    """A column whose name gives no shaft, taken for the output's like the position; other columns unchanged."""
+def _of_the_output(guess: Guess, why: str) -> Guess:
+    """A column whose name gives no shaft, taken for the output's, and ``why``; other columns unchanged."""
     if guess.of_motor or guess.of_output or guess.signal not in AT_EITHER_SHAFT:
         return guess
-    return replace(guess, of_output=True, shaft_doubt="assumed to be the output's, like the position")
+    return replace(guess, of_output=True, shaft_doubt=why)
 
 
 def _read(map_text: str, traces: Sequence[Path]) -> list[Recording]:

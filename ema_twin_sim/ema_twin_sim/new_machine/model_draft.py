@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 import yaml
 
-from ema_bench_replay.recording import AT, Recording
+from ema_bench_replay.long_columns import divided, times
+from ema_bench_replay.recording import AT, AT_EITHER_SHAFT, Recording
 from ema_bench_replay.units import signal_unit, unit_in
 
 from ..model.check_comment import ASSUMED, CHECK, REMEDIES, check_comment
@@ -61,7 +62,6 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
     """
     recording = farthest(recordings)
     motion = recording.motion
-    sensors = _sensor_lines(recording, (given.gear_ratio or shaft.ratio or 1.0) if shaft.name == "output" else 1.0)
     inertia, viscous, dry = (1e-3, 0.01, 0.1) if motion == "rotary" else (1.0, 10.0, 1.0)
     ratio = _ratio(recording, given.gear_ratio, shaft)
     two_sided = (
@@ -71,7 +71,11 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
     )
     two_sided |= of_encoders_alone(recording)  # which show only what is between them
     turns = 1.0 if ratio is None else ratio.value
-    at_joint = _joint_constant(recordings, given.torque_constant, turns)
+    at_motor = [_at_motor(each, turns, shaft) for each in recordings]
+    fastest = max(map(fastest_motion, at_motor)) if recording.has("current") else 0.0
+    at_joint = told_at_joint(given.torque_constant, turns, fastest) if motion == "rotary" else ""
+    of_motor = (given.torque_constant or 1.0) / (turns if at_joint else 1.0)
+    sensors = _sensor_lines(_at_motor(recording, turns, shaft), turns if shaft.name == "output" else 1.0)
     lines = [
         f"# First model of {given.name}. Inertia and friction are open: fit finds them, discover goes on from there.",
         f"# Look at every line that says {CHECK}.",
@@ -82,7 +86,7 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
         *_inertia_lines(motion, inertia, two_sided),
         *([] if ratio is None else [ratio.line()]),
         *_torque_lines(recording, given.torque_constant, at_joint),
-        *_drive_lines(recordings, given.torque_constant or 1.0),
+        *_drive_lines(at_motor, of_motor),
         "transmission: {kind: rigid}",
         *(["sensors:", *sensors] if sensors else ["sensors: {}"]),
         "effects:",
@@ -95,7 +99,6 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
     if given.torque_constant:
         remedy += f"; if it is in mN m/A, give {given.torque_constant / 1000.0:g}"
     assumed = (f"torque constant read as that of the joint, gear included: {at_joint} ({remedy})",) if at_joint else ()
-    fastest = max(map(_fastest_of_motor(turns), recordings)) if recording.has("current") else 0.0
     question = question_about(given.torque_constant, turns, fastest, at_joint=bool(at_joint), motion=motion)
     questions = (question, _question_about_ratio(recording, given.gear_ratio, shaft))
     return ModelDraft("\n".join(lines) + "\n", assumed, tuple(filter(None, questions)))
@@ -197,11 +200,23 @@ def _question_about_ratio(recording: Recording, given: float | None, shaft: Shaf
     )
 
 
-def _joint_constant(recordings: Sequence[Recording], given: float | None, ratio: float) -> str:
-    """Why the given torque constant must be the joint's: no motor behind this ``ratio`` has so much; else empty."""
-    if recordings[0].motion != "rotary" or not recordings[0].has("current"):
-        return ""
-    return told_at_joint(given, ratio, max(map(_fastest_of_motor(ratio), recordings)))
+def _at_motor(recording: Recording, ratio: float, shaft: Shaft) -> Recording:
+    """The recording with all of its motor's signals at the motor's shaft, where a model's constants are.
+
+    Its motor position is of that ``shaft``, whatever the map says of it.
+    """
+    given = {name for name in AT_EITHER_SHAFT if recording.metadata.get(f"{name}{AT}") == "output"}
+    given = given - {"motor_position"} | ({"motor_position"} if shaft.name == "output" else set())
+    signals = {
+        name: values
+        if name not in given
+        else divided(values, ratio)
+        if name.endswith("torque")
+        else times(values, ratio)
+        for name, values in recording.signals.items()
+    }
+    metadata = {key: value for key, value in recording.metadata.items() if key not in {f"{name}{AT}" for name in given}}
+    return replace(recording, signals=signals, metadata=metadata)
 
 
 def _torque_lines(recording: Recording, given: float | None, at_joint: str) -> list[str]:
@@ -217,16 +232,6 @@ def _torque_lines(recording: Recording, given: float | None, at_joint: str) -> l
     return [
         f"  torque_constant: {{value: {given or 1.0:g}, unit: {unit}{shaft}, source: {source}}}{check_comment(doubt)}"
     ]
-
-
-def _fastest_of_motor(ratio: float) -> Callable[[Recording], float]:
-    """Function for the highest speed [rad/s] of the motor in a recording, whose motion may be given at the output."""
-
-    def fastest(recording: Recording) -> float:
-        told = "speed" if recording.has("speed") else "motor_position"
-        return fastest_motion(recording) * (ratio if recording.metadata.get(f"{told}{AT}") == "output" else 1.0)
-
-    return fastest
 
 
 def _drive_lines(recordings: Sequence[Recording], torque_constant: float) -> list[str]:
@@ -254,7 +259,7 @@ def _drive_lines(recordings: Sequence[Recording], torque_constant: float) -> lis
 def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
     """What a recording shows of its sensors; empty if it has too few samples, as before the first recording.
 
-    The motor turns ``ratio`` times as far as its position column says.
+    Its signals are at the motor's shaft, which turns ``ratio`` times as far as its position's encoder.
     """
     if len(recording) <= _FEWEST:
         return []
@@ -264,28 +269,28 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
     for side in ("motor", "output"):
         if not recording.has(f"{side}_position"):
             continue
-        position = _finite(recording.signals[f"{side}_position"]) * (ratio if side == "motor" else 1.0)
+        position = _finite(recording.signals[f"{side}_position"])
+        geared = ratio if side == "motor" else 1.0
         step, source = smallest_step(position), SMALLEST_STEP
         if counts := _counts_of_the_map(recording, f"{side}_position"):
-            step, source = turn / counts * (ratio if side == "motor" else 1.0), "counts of the import map"
+            step, source = turn / counts * geared, "counts of the import map"
         if step is None:  # a counter whose steps would make as much noise
             step, source = math.sqrt(12.0) * reading_noise(position), AS_FINE_AS_NOISE
         bounds = CONSTANTS[f"sensors.{side}_encoder_counts"]
         if step > 0.0 and bounds.lower <= turn / step <= bounds.upper:  # the position of a simulation may be finer
-            usual = usual_counts(turn / step) if motion == "rotary" and source == SMALLEST_STEP else None
+            counted = geared * turn / step  # per turn of the shaft that the encoder is on
+            usual = usual_counts(counted) if motion == "rotary" and source == SMALLEST_STEP else None
             lines.append(
-                f"  {side}_encoder_counts: {{value: {usual or turn / step:.9g}, unit: {unit_in('1/rev', motion)}, "
-                f"tolerance: 0.0, source: {source}}}"
+                f"  {side}_encoder_counts: {{value: {(usual or counted) / geared:.9g}, "
+                f"unit: {unit_in('1/rev', motion)}, tolerance: 0.0, source: {source}}}"
             )
-    of_speed = ratio if recording.metadata.get(f"speed{AT}") == "output" else 1.0
-    for name, turned in (("current", 1.0), ("speed", of_speed)):
+    for name in ("current", "speed"):
         if recording.has(name) and not (recording.of_points and name == "speed"):  # each point has its own speed
-            noise = turned * _noise(recording, name)
             lines.append(
-                f"  {name}_noise: {{value: {noise:.3g}, "
+                f"  {name}_noise: {{value: {_noise(recording, name):.3g}, "
                 f"unit: {signal_unit(name, motion)}, source: third differences of the recording}}"
             )
-    lag = speed_lag(recording, ratio / of_speed)
+    lag = speed_lag(recording)
     if lag is not None:
         lines.append(f"  speed_smoothing: {{value: {lag:.3g}, unit: s, source: lag of the speed behind the position}}")
     if recording.has("motor_torque") and not recording.has("current"):

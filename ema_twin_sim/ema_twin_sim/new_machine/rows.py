@@ -11,7 +11,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.traces.import_map import TIME_UNITS
 
 from ..criteria import ALL_BUT_SPIKES, MOSTLY, NEARLY_ALL, NEGLIGIBLE, PART
-from ..measured.consistency import steady_factor
+from ..measured.way_by_speed import steady_factor
 from ..model.constants import CONSTANTS
 from .columns import Guesses
 

@@ -13,8 +13,9 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..criteria import ALL_BUT_SPIKES, CLEARLY_MORE, FAR_OUT, NEARLY_ALL, OUTLIER, SMALL
-from ..measured.consistency import is_usual_mistake, way_by_speed
+from ..measured.consistency import is_usual_mistake
 from ..measured.smoothing import gaussian, smooth
+from ..measured.way_by_speed import way_by_speed
 from ..reading_noise import reading_noise
 
 OWN = 0.1  # relative deviation up to which a position moves as the motor's speed says

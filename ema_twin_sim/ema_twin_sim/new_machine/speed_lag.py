@@ -18,11 +18,11 @@ _BLOCKS = 10  # blocks of the recording, each of which is left out once
 _FEWEST = 40  # minimum number of samples of a block
 
 
-def speed_lag(recording: Recording, turned: float = 1.0) -> float | None:
-    """The lag [s] of a recording's speed; None if it shows none. The motor turns ``turned`` times its position."""
+def speed_lag(recording: Recording) -> float | None:
+    """The lag [s] of a recording's speed, which is of the same shaft as its position; None if it shows none."""
     if recording.of_points or not recording.has("motor_position", "speed"):
         return None
-    position, speed = turned * recording.signals["motor_position"], recording.signals["speed"]
+    position, speed = recording.signals["motor_position"], recording.signals["speed"]
     known = np.isfinite(position) & np.isfinite(speed)
     if known.sum() < _BLOCKS * _FEWEST:
         return None

@@ -17,8 +17,8 @@ from ema_bench_replay.traces.import_map import TIME_UNITS
 from ema_bench_replay.units import units_of
 
 from ..criteria import NEGLIGIBLE, PART, SMALL
-from ..measured.consistency import steady_factor
 from ..measured.usual_sizes import USUAL
+from ..measured.way_by_speed import steady_factor
 from .columns import Guess, Guesses
 from .products import with_products_units
 from .steps import smallest_step

@@ -43,10 +43,12 @@ MEETINGS = 500  # samples with teeth in contact over which the encoder's zero is
 
 @njit(error_model="numpy", forceinline=True)
 def with_friction(
-    torque, carried, speed, viscous, thinned, asymmetry, dry, bristled, bristle, stiffness, damping, interval
+    torque, carried, speed, sense, viscous, thinned, asymmetry, dry, bristled, bristle, stiffness, damping, interval
 ):
-    """(torque [N m], bristle [rad]): drive torque for the effects' torque, the ``carried`` torque, and friction."""
-    sense = sign(speed)
+    """(torque [N m], bristle [rad]): drive torque for the effects' torque, the ``carried`` torque, and friction.
+
+    ``sense`` is the direction of motion.
+    """
     level = dry * (1.0 + asymmetry * sense)
     torque += viscous * speed + asymmetry * (viscous + thinned) * math.fabs(speed) + carried
     if not bristled:
@@ -93,18 +95,19 @@ def with_load(load, plant, now, output_origin):
 
 
 @njit(
-    void(PLANTS, EFFECTS, TABLE, float64, float64, float64[::1], boolean, TABLE),
+    void(PLANTS, EFFECTS, TABLE, float64, float64, float64[::1], boolean, float64, TABLE),
     cache=True,
     nogil=True,
     error_model="numpy",
 )
-def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen, reuse_output_motion, required):
+def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen, reuse_output_motion, fading, required):
     """Fill ``required`` (n, 4) with the columns ``REQUIRED`` for a ``motion`` (n, 7) with the columns ``MOTION``.
 
     ``motor_origin`` and ``output_origin`` [rad] are the counters' readings at position zero. An output that moves
     freely in the gap is pulled to its measured position ``seen`` (n,) [rad, slow shaft], unless that is empty; until
     the first contact it is at the measured position. ``reuse_output_motion``: use the output motion already in
-    ``required``, and compute only the motor side.
+    ``required``, and compute only the motor side. Below the speed ``fading`` [rad/s] the motion's direction fades
+    (``LOW_SPEED``); operating points, which have no standstill between them, give 0.
     """
     plant = plants[0]
     ratio = plant.gear_ratio
@@ -125,7 +128,7 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
     for row in range(motion.shape[0]):
         speed = motion[row, SPEED]
         acceleration = motion[row, ACCELERATION]
-        sense = sign(speed)
+        sense = sign(speed, fading)
         before = max(row - 1, 0)
         interval = motion[row, TIME] - motion[before, TIME]
         at = operating_point(plant, motion[row], motor_origin, output_origin, transmitted, total_dry)
@@ -170,7 +173,7 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
                     zero += (seen[row] * ratio - output_angle - zero) / min(met, MEETINGS)
             carried = 0.0  # added below
         torque, bristle = with_friction(
-            torque, carried, speed, viscous, thinned, plant.asymmetry, dry, bristled, bristle,
+            torque, carried, speed, sense, viscous, thinned, plant.asymmetry, dry, bristled, bristle,
             plant.bristle_stiffness * share, plant.bristle_damping * share, interval,
         )  # fmt: skip
         transmitted = passed
@@ -192,16 +195,16 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
 
 
 @njit(
-    float64(PLANTS, int64, int64, float64[::1], TABLE, float64, float64, TABLE, float64[::1]),
+    float64(PLANTS, int64, int64, float64[::1], TABLE, float64, float64, float64, TABLE, float64[::1]),
     cache=True,
     nogil=True,
     error_model="numpy",
 )
-def inverse_dynamics_of(plants, address, place, p, motion, motor_origin, output_origin, required, torque):
+def inverse_dynamics_of(plants, address, place, p, motion, motor_origin, output_origin, fading, required, torque):
     """``torque`` (n,): drive torque needed by one effect alone, in addition to what ``required`` already holds.
 
-    Valid for a torque, a level or a coefficient of the motor side if no bristle carries the level; ``p`` (4,). Returns
-    the smallest value of the effect, before the sense of motion gives it a sign.
+    Valid for a torque, a level or a coefficient of the motor side if no bristle carries the level; ``p`` (4,);
+    ``fading`` [rad/s] as there. Returns the smallest value of the effect, before the sense of motion gives it a sign.
     """
     least = math.inf
     plant = plants[0]
@@ -212,7 +215,7 @@ def inverse_dynamics_of(plants, address, place, p, motion, motor_origin, output_
         at = operating_point(plant, motion[row], motor_origin, output_origin, transmitted, required[row, REQUIRED_DRY])
         value = call_effect(address, at, values)
         least = min(least, value)
-        sense = sign(speed)
+        sense = sign(speed, fading)
         if place == DRY_LEVEL:
             value = max(value, -required[row, REQUIRED_DRY])  # a level is cut off at zero
             value *= sense + plant.asymmetry * sense * sense

@@ -13,7 +13,7 @@ from .evaluate import evaluate
 from .friction import bristle_share
 from .measured_motion import MEETINGS, operating_point, with_friction, with_load
 from .motion import LOAD, MOTOR_ANGLE, SPEED, TIME
-from .output_side import OutputSide, first_output_angle, longest_substep, output_side, output_step
+from .output_side import LOW_SPEED, OutputSide, first_output_angle, longest_substep, output_side, output_step, sign
 from .signatures import PLANTS
 from .time_steps import steps_in
 from .transmission import response
@@ -153,12 +153,13 @@ def _output_steps(lanes, k, speed_before):
 @njit(error_model="numpy")
 def _drive(lanes, speed, bristled, interval, torque):
     """Fill the ``torque`` (LANE,) of every drive, without its output's share."""
+    sense = sign(speed, LOW_SPEED)
     for m in range(LANE):
         dry = lanes[DRY_NOW + m] - lanes[DRY + m]
         torque[m], lanes[BRISTLE + m] = with_friction(
-            lanes[TORQUE + m], 0.0, speed, lanes[VISCOUS_OF_MOTOR + m], lanes[THINNED + m], lanes[ASYMMETRY + m],
-            dry if dry > 0.0 else 0.0, bristled, lanes[BRISTLE + m], lanes[STIFFNESS_OF_BRISTLE + m],
-            lanes[DAMPING_OF_BRISTLE + m], interval,
+            lanes[TORQUE + m], 0.0, speed, sense, lanes[VISCOUS_OF_MOTOR + m], lanes[THINNED + m],
+            lanes[ASYMMETRY + m], dry if dry > 0.0 else 0.0, bristled, lanes[BRISTLE + m],
+            lanes[STIFFNESS_OF_BRISTLE + m], lanes[DAMPING_OF_BRISTLE + m], interval,
         )  # fmt: skip
 
 

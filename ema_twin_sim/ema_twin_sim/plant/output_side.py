@@ -19,14 +19,15 @@ _PULL = 2.0 * math.pi * 5.0  # rad/s, rate at which an output is pulled to its m
 _PHASE = 0.4  # rad, largest phase of a contact's oscillation per substep
 _STIFFEST = 2.0 * math.pi * 250.0  # rad/s; a stiffer contact is replaced by one that samples resolve (driven_output.py)
 _STIFF_TRAVEL = 5e-4  # rad of the fast shaft over which a stiff bristle yields
-_LOW_SPEED = 0.02  # rad/s, below which the sign of the speed fades: rows near standstill are not judged
+LOW_SPEED = 0.02  # rad/s, below which the sign of the speed fades: rows near standstill are not judged
 
 
 @njit(error_model="numpy")
-def sign(speed):
-    """-1 or 1, with a continuous transition near standstill."""
-    size = math.fabs(speed)
-    return (1.0 if speed > 0.0 else -1.0) if size > _LOW_SPEED else speed / _LOW_SPEED
+def sign(speed, fading):
+    """-1 or 1, with a continuous transition below the speed ``fading`` [rad/s]; exact, and 0 at rest, if that is 0."""
+    if math.fabs(speed) > fading:
+        return 1.0 if speed > 0.0 else -1.0
+    return speed / fading if fading > 0.0 else 0.0
 
 
 OutputSide = namedtuple(
@@ -123,7 +124,7 @@ def output_step(
         motor_angle - angle, motor_speed - speed, side.stiffness, side.damping, side.gap, h, compliance
     )
     angle += 0.5 * h * speed
-    one = 1.0 + side.asymmetry * sign(speed)
+    one = 1.0 + side.asymmetry * sign(speed, LOW_SPEED)
     against = load + side.asymmetry * side.viscous * math.fabs(speed)
     bristle, bent = bristle_step(bristle, speed, side.dry * one, side.bristle_stiffness, side.bristle_damping, h)
     if drawn and contact == 0.0:

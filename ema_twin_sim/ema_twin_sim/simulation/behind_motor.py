@@ -19,6 +19,7 @@ from ..effects.catalogue import is_own
 from ..model import Model, reference_bench
 from ..model.own_units import OwnUnits, model_in, recording_in
 from ..plant.measured_motion import MOTION, REQUIRED, inverse_dynamics
+from ..plant.output_side import LOW_SPEED
 from ..plant.sensors import as_encoder_shows
 from .angle_origins import origins_of
 from .assembly import assemble
@@ -100,7 +101,7 @@ def twin_behind_motor(model: Model, recording: Recording) -> Recording:
     required = np.empty((len(time), len(REQUIRED)))
     motion = np.stack([columns[name] for name in MOTION], axis=1)
     inverse_dynamics(
-        assembly.plant, assembly.effects, motion, motor_origin, output_origin, np.zeros(0), False, required
+        assembly.plant, assembly.effects, motion, motor_origin, output_origin, np.zeros(0), False, LOW_SPEED, required
     )
     moved = required[:, REQUIRED.index("output")] + (position - angle) / model.value("machine.gear_ratio")
     output = as_encoder_shows(assembly.plant[0], time, moved, output_origin)

@@ -19,12 +19,16 @@ from ..reading_noise import reading_noise
 from .assembly import assemble
 from .required import required_torque
 
-HOLDING = 0.05  # rad/s assigned to a point at rest: only its sign, the direction of approach, acts
-STILL = 0.04  # rad/s: a slower shaft is at rest, its speed is sensor noise
-SURE = 4.0  # standard deviations of a reading that a move must exceed, so that its direction is known
+HOLDING = 1e-6  # of the fastest point's speed, assigned to a point at rest: only its sign, the way of approach, acts
+STILL = 1e-3  # share of the fastest point's speed: a slower shaft is at rest where the way it was approached is known
+SURE = 4.0  # standard deviations of a reading that a move or a speed must exceed, so that its direction is known
 KNOWN = 0.95  # share of the points whose direction must be known
 FEWEST = 12  # minimum number of points
 FAR = 0.01  # share of the position range: points farther apart were each approached separately
+
+DIRECTED = "directed"
+"""Key of a recording's metadata if its points at rest have a direction; the value says whether any point moves."""
+_MOVING = "moving"
 
 
 def motion_at_points(recording: Recording, model: Model) -> np.ndarray:
@@ -44,7 +48,7 @@ def motion_at_points(recording: Recording, model: Model) -> np.ndarray:
         )
     nothing = np.zeros(len(recording))
     position = recording.signals.get("motor_position", nothing)
-    speed = directed(recording).signals["speed"]
+    speed = directed(recording, model.value("sensors.speed_noise")).signals["speed"]
     output = recording.signals.get("output_position", position / model.value("machine.gear_ratio"))
     load = recording.signals.get("load_torque", nothing)
     columns = dict(
@@ -59,14 +63,32 @@ def motion_at_points(recording: Recording, model: Model) -> np.ndarray:
     return np.stack([columns[name] for name in MOTION], axis=1)
 
 
-def directed(recording: Recording) -> Recording:
-    """The recording with a speed: for a point at rest, ``HOLDING`` in the direction of its approach."""
+def directed(recording: Recording, noise: float = 0.0) -> Recording:
+    """The recording with a speed: for a point at rest, a vanishing one in the direction of its approach.
+
+    ``noise`` [rad/s] is that of the speed's readings. Where nothing tells the approach, a speed beyond its noise keeps
+    its own direction, however slow it is: slow machines have no other.
+    """
+    if DIRECTED in recording.metadata:
+        return recording
     nothing = np.zeros(len(recording))
     speed = recording.signals.get("speed", nothing)
-    resting = np.abs(speed) < STILL
+    sizes = np.abs(speed)
+    fastest = float(np.max(sizes[np.isfinite(sizes)], initial=0.0))
+    known = sizes > SURE * noise
+    moving = bool(known.any())
+    resting = ~known & np.isfinite(sizes) | (sizes < STILL * fastest)
     if resting.any():
-        speed = np.where(resting, HOLDING * approached(recording.signals.get("motor_position", nothing)), speed)
-    return replace(recording, signals={**recording.signals, "speed": speed})
+        way = approached(recording.signals.get("motor_position", nothing))
+        slow = HOLDING * (fastest if moving else 1.0)
+        speed = np.where(resting & ((way != 0.0) | ~known), slow * way, speed)
+    metadata = {**recording.metadata, DIRECTED: _MOVING if moving else "at rest"}
+    return replace(recording, signals={**recording.signals, "speed": speed}, metadata=metadata)
+
+
+def moves(recording: Recording, noise: float = 0.0) -> bool:
+    """Whether a shaft turns at any of the points; ``noise`` [rad/s] is that of the speed's readings."""
+    return directed(recording, noise).metadata[DIRECTED] == _MOVING
 
 
 def approached(position: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..plant.measured_motion import REQUIRED, inverse_dynamics
+from ..plant.output_side import LOW_SPEED
 from .angle_origins import angle_origins
 from .assembly import Assembly
 
@@ -16,5 +17,6 @@ def required_torque(assembly: Assembly, recording: Recording, motion: np.ndarray
     ratio = float(assembly.plant["gear_ratio"][0])
     motor, output = angle_origins(recording.motor_angle_origin, recording.output_angle_origin, ratio)
     required = np.empty((len(motion), len(REQUIRED)))
-    inverse_dynamics(assembly.plant, assembly.effects, motion, motor, output, np.zeros(0), False, required)
+    fading = 0.0 if recording.of_points else LOW_SPEED
+    inverse_dynamics(assembly.plant, assembly.effects, motion, motor, output, np.zeros(0), False, fading, required)
     return required[:, 0]

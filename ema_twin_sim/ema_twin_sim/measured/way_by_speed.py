@@ -1,0 +1,70 @@
+"""The way that a speed implies, beside the position: whether they agree, are a factor apart, or one stands still."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ema_bench_replay.recording import Recording
+
+from ..criteria import FAR_OUT, NEGLIGIBLE, PART, SMALL
+from ..reading_noise import reading_noise
+
+WINDOW = 0.1  # own s over which displacements are compared
+FEWEST = 30  # samples needed
+
+
+def way_by_speed(recording: Recording) -> float | None:
+    """Motor displacement over the displacement that the speed implies; None if that ratio is not steady."""
+    if not recording.has("speed", "motor_position"):
+        return None
+    lag, position, travelled = lag_of(recording), recording.signals["motor_position"], travelled_by_speed(recording)
+    return steady_factor(position[lag:] - position[:-lag], travelled[lag:] - travelled[:-lag])
+
+
+def standing_position(recording: Recording) -> float | None:
+    """The way [rad] that the speed implies if the motor position stands still meanwhile; None if it does not.
+
+    A speed that only its noise moves implies none. A position in a wrong unit follows the speed, however little.
+    """
+    if not recording.has("speed", "motor_position") or recording.of_points or way_by_speed(recording) is not None:
+        return None
+    position, speed = (recording.signals[name] for name in ("motor_position", "speed"))
+    position, speed = position[np.isfinite(position)], speed[np.isfinite(speed)]
+    if min(len(position), len(speed)) < FEWEST:
+        return None
+    way = float(np.ptp(np.cumsum(speed))) * recording.sample_period  # of the samples: nobody knows what a pause hides
+    walked = reading_noise(speed) * recording.sample_period * math.sqrt(len(speed))  # by white noise alone
+    return way if way > FAR_OUT * walked and float(np.ptp(position)) <= NEGLIGIBLE * way else None
+
+
+def lag_of(recording: Recording) -> int:
+    """Number of samples over which displacements are taken."""
+    return max(1, round(WINDOW / recording.sample_period)) if len(recording) > 1 else 1
+
+
+def travelled_by_speed(recording: Recording) -> np.ndarray:
+    """Displacement (n,) [rad] implied by the speed, bridging missing samples; NaN if there is no speed at all."""
+    speed = recording.signals["speed"]
+    known = np.isfinite(speed)
+    if not known.any():
+        return np.full(len(speed), np.nan)
+    speed = np.interp(recording.time, recording.time[known], speed[known])
+    return np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(recording.time))])
+
+
+def steady_factor(values: np.ndarray, expected: np.ndarray, fewest: int = FEWEST) -> float | None:
+    """Ratio of the values (n,) to the expected ones (n,); None if it is not steady.
+
+    At least ``fewest`` of the expected values must be large.
+    """
+    both = np.isfinite(values) & np.isfinite(expected)
+    values, expected = values[both], expected[both]
+    large = np.abs(expected) > PART * np.abs(expected).max(initial=0.0)
+    if large.sum() < fewest:
+        return None
+    ratios = values[large] / expected[large]
+    middle = float(np.median(ratios))
+    spread = 1.4826 * float(np.median(np.abs(ratios - middle)))
+    return middle if spread < SMALL * abs(middle) else None
