@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...criteria import DEPENDS, RIVAL_MARGIN, SMALL
+import numpy as np
+
+from ...criteria import DEPENDS, MOSTLY, RIVAL_MARGIN, SMALL, TOO_MUCH
 from ...effects import Trait, catalogue, effects_with
 from ...identification.fit import Fit, fit
+from ...model.roles import SPRING
+from ..criteria.own_shape import is_play, only_teeth
 from ..criteria.plausible import insignificant, uncertain
 from ..criteria.worth import ENCODER_ONLY, penalised_gain
 from .adding import add_effects, less_each, prune, settle, without_effect
@@ -21,6 +25,7 @@ def significant(found: Search) -> Search:
     that thins from standstill on takes the place of viscous friction. Then the other one is removed. Or it is uncertain
     by its own shape: backlash of almost no width, whose teeth wind up like the shaft that it replaces.
     """
+    found = _shaft_for_teeth(found)
     while name := insignificant(found.problem, found.fit):
         names = [*found.fit.hypothesis.added]
         less_one = dict(zip(names, less_each(found.fit, names), strict=True))
@@ -32,6 +37,31 @@ def significant(found: Search) -> Search:
             others = [n for n in sorted(lost, key=lost.__getitem__) if lost[n] <= little]
             name = next((n for n in others if name not in uncertain(found.problem, less_one[n])), name)
         found = with_what_made_room(less(found, [name], UNCERTAIN))
+    return found
+
+
+def _shaft_for_teeth(found: Search) -> Search:
+    """The search with a compliant shaft in the place of backlash that is hardly wider than the encoders' noise.
+
+    If its teeth explain as much without that width, they wind up as a shaft does.
+    """
+    f, problem = found.fit, found.problem
+    for name in f.hypothesis.added:
+        if not is_play(f, name):
+            continue
+        instance, turn = f.hypothesis.instance(name), next((turn for turn in found.taken if name in turn.added), None)
+        noise = [
+            float(np.median(problem.noise_of_encoders(part)))
+            for part in problem.encoder_parts
+            if part.stop > part.start
+        ]
+        width = instance.parameters[catalogue()[instance.effect].parameters[0].name]
+        if turn is None or not noise or width > TOO_MUCH * max(noise) or not only_teeth(problem, f, name):
+            continue
+        gained = max(trial.gain for trial in turn.tried if name in trial.names)
+        for other, h in came_near(f.hypothesis, name, turn, MOSTLY * gained):
+            if other == SPRING:
+                return swapped(found, fit(problem, h), SURER)
     return found
 
 
