@@ -54,10 +54,11 @@ def excess_removed(before: SignalError, after: SignalError) -> float | None:
 def share_removed(before: float, after: float, noise_floor: float) -> float | None:
     """Share of an RMSE's power above its noise floor that is removed; all of it if the floor is reached, never more.
 
-    None if there was nothing above the floor.
+    None if there was nothing above the floor, or if an error is not known (NaN).
     """
     excess = before**2 - noise_floor**2
-    return (before**2 - max(after, noise_floor) ** 2) / excess if excess > 0.0 else None
+    share = (before**2 - max(after, noise_floor) ** 2) / excess if excess > 0.0 else math.nan
+    return None if math.isnan(share) or math.isnan(after) else share
 
 
 class RunningComparison:

@@ -58,10 +58,13 @@ def _shaft_for_teeth(found: Search) -> Search:
         width = instance.parameters[catalogue()[instance.effect].parameters[0].name]
         if turn is None or not noise or width > TOO_MUCH * max(noise) or not only_teeth(problem, f, name):
             continue
-        gained = max(trial.gain for trial in turn.tried if name in trial.names)
-        for other, h in came_near(f.hypothesis, name, turn, MOSTLY * gained):
-            if other == SPRING:
-                return swapped(found, fit(problem, h), SURER)
+        if all(trial.fit.hypothesis.effects.count(SPRING) == 0 for trial in turn.tried):  # it may not be named
+            continue
+        teeth = {key: f.hypothesis.by_path[f"contact.{key}"] for key in ("stiffness", "damping")}
+        shaft = fit(problem, f.hypothesis.without(name).with_effect(SPRING, {}, teeth))
+        bare = fit(problem, f.hypothesis.without(name))
+        if penalised_gain(bare, shaft) >= MOSTLY * penalised_gain(bare, f):
+            return swapped(found, shaft, SURER)
     return found
 
 
