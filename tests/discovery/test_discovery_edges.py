@@ -34,7 +34,10 @@ def test_a_coarse_current_hides_no_load_and_invents_nothing(step, stock):
 @pytest.mark.slow
 def test_a_recording_at_standstill_among_others_is_no_error(stock):
     true = stock.with_effect("gravity_load", {"torque": 0.09, "angle": 0.5})
-    recordings = [*record(true), virtual_bench(true, parse_command("ramp:1e-9"), 4.0, seed=9, name="still")]
+    recordings = [
+        *record(true, COMMANDS[:2]),
+        virtual_bench(true, parse_command("ramp:1e-9"), 4.0, seed=9, name="still"),
+    ]
     found = discover(recordings, stock)
     assert found.added == ("gravity_load",)
     assert evidence_json(found)["steps"]

@@ -46,7 +46,7 @@ def test_a_unit_that_has_failed_records_no_more():
 @pytest.mark.slow
 def test_simulated_units_are_judged_by_health_and_by_numbers(tmp_path, monkeypatch):
     """A short life of two units, from their recordings to the table of `make wear ARGS="--simulated 2"`."""
-    for name, value in (("HEALTHY_TESTS", 5), ("TESTS", 9), ("REPEATS", 2), ("SECONDS", 6.0), ("LOST_AT_LAST", 0.3)):
+    for name, value in (("HEALTHY_TESTS", 4), ("TESTS", 8), ("REPEATS", 2), ("SECONDS", 4.0), ("LOST_AT_LAST", 0.3)):
         monkeypatch.setattr(simulated, name, value)
     monkeypatch.setattr(simulated, "WEARS", {kind: simulated.WEARS[kind] for kind in ("play", "nothing")})
     simulated.simulate_units(tmp_path, 2, 5)
