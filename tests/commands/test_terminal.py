@@ -136,6 +136,7 @@ def test_discover_and_fit(traces, tmp_path):
     check(on_terminal("fit", *runs, "--model", tmp_path / "new.yaml", *fit))
 
 
+@pytest.mark.slow
 def test_diagnose(traces):
     lines = on_terminal("diagnose", *traces, "--to", 6, *MODEL)
     check(lines)

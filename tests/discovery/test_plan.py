@@ -135,6 +135,7 @@ def test_the_planned_recording_decides(stock, kind, case):
     assert found[size]["value"] == pytest.approx(parameters[size], rel=0.15)
 
 
+@pytest.mark.slow
 def test_nothing_in_doubt_asks_for_nothing(stock):
     commands = (("ramp:0.1", 15.0), ("triangle:0.04:2", 8.0), ("sine:0.02:1", 8.0))
     recordings = [virtual_bench(stock, parse_command(c), s, seed=k) for k, (c, s) in enumerate(commands)]
@@ -162,6 +163,7 @@ def test_the_proposal_keeps_within_what_was_driven(stock, rippled):
     assert done.lower > driven.lower - 0.02 and done.upper < 1.03 * driven.upper
 
 
+@pytest.mark.slow
 def test_without_limits_nothing_beyond_is_asked_for_where_less_shows_as_much(stock):
     bench = VirtualBench(stock, "torque_ripple", {"fraction": 0.03, "phase": 1.0}, {})
     recording = bench.record("triangle:0.1:10", 20.0)

@@ -287,6 +287,7 @@ def test_a_spring_that_is_dropped_gives_play_its_place_back(discovered):
     assert less(back, ["backlash"], "nor does this").fit.hypothesis.effects == ()
 
 
+@pytest.mark.slow
 def test_the_next_recording_is_of_the_motion_that_was_not_driven(tmp_path):
     time = np.arange(SAMPLES) * 2e-3
     asked = {
@@ -312,6 +313,7 @@ def test_play_is_found_beside_a_larger_angle_error(tmp_path):
     assert error["options"]["order"] == "7" and error["amplitude"]["value"] == pytest.approx(3e-3, rel=0.02)
 
 
+@pytest.mark.slow
 def test_where_the_motor_is_not_known_nothing_is_judged(tmp_path):
     recording, model = drafted(tmp_path, "late", 1.0)
     late = model.with_effect("encoder_delay", {"delay": 3e-3})
@@ -341,6 +343,7 @@ def test_without_play_or_a_spring_friction_stays_as_it_was_given(kind, discovere
     assert {name: found.model.effects[name] for name in model.effects} == model.effects
 
 
+@pytest.mark.slow
 def test_what_a_file_knows_stays_beside_play(tmp_path):
     recording, model = drafted(tmp_path, "play", 1.0)
     inertia = model.value("machine.output_inertia")

@@ -138,6 +138,7 @@ def test_under_the_current_the_equation_is_the_method(stock):
     assert result.after["unexplained_torque"]["rmse"] < 0.5 * result.before["unexplained_torque"]["rmse"]
 
 
+@pytest.mark.slow
 def test_a_simulation_under_the_current(stock):
     hidden = {"sun_runout": {"torque": 0.03, "phase": 1.0}}
     true = with_effects(stock, hidden)

@@ -14,6 +14,7 @@ def told():
     return [judge_unit(drawn_unit(21, number)) for number in range(20)]
 
 
+@pytest.mark.slow
 def test_wear_is_named_early_and_no_healthy_unit_is_called_off(told):
     worn = [one for one in told if one.wears]
     assert np.mean([one.lost_when_named <= 0.2 for one in worn]) >= 0.9
@@ -22,6 +23,7 @@ def test_wear_is_named_early_and_no_healthy_unit_is_called_off(told):
     assert sum(one.recordings for one in told) > 4000
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_remaining_life_of_units_that_wear_by_many_laws(told):
     held = [answer for one in told for answer in one.held]
     assert len(held) >= 0.9 * len(ASKED_AT) * sum(one.wears is not None for one in told)
@@ -29,6 +31,7 @@ def test_intervals_hold_the_remaining_life_of_units_that_wear_by_many_laws(told)
     assert 0.75 <= np.mean([answer for answer in held if answer is not None]) <= 1.0
 
 
+@pytest.mark.slow
 def test_the_figures_tell_all_of_it(told):
     text = figures(told)
     for part in ("20 units, 16 of which wear", "false alarms", "hold it", "named before 20 %"):

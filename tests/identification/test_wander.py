@@ -161,6 +161,7 @@ class TestBesideIt:
         both = play.with_effect("stribeck_friction", {"torque": 0.06, "speed": 2.0})
         assert ended_beside_play(worn(record(both, RUNS), 0.05, stock), stock) == {"backlash", "stribeck_friction"}
 
+    @pytest.mark.slow
     def test_what_is_hidden_is_named_and_the_rest_is_told(self, stock):
         """The constants stay near the file's: without wandering in the noise, friction drags viscous far away."""
         true = stock.with_effect("constant_load", {"torque": 0.03})
