@@ -26,7 +26,7 @@ test: setup ## style and type checks, then every test but those that take long
 	@$(CHECKS)
 	@$(TESTS) -m "not slow"
 
-test-all: setup ## the same, and the tests that take long; twelve cases of make accuracy among them
+test-all: setup ## the same, and the tests that take long; fifteen cases of make accuracy among them
 	@$(CHECKS)
 	@$(TESTS)
 
@@ -58,7 +58,7 @@ vulnerabilities: ## which locked libraries have known vulnerabilities; asks the 
 		{ echo "could not be asked: pip-audit could not be installed"; rm -rf .venv-audit; exit 2; }
 	@.venv-audit/bin/python tests/vulnerabilities.py .venv-audit/bin/pip-audit; status=$$?; rm -rf .venv-audit; exit $$status
 
-accuracy: setup ## how well missing effects are named on another bench; ARGS="--sweep", "--other-machines 60", "--calibration", "--contradictions 200", "--help"
+accuracy: setup ## how well missing effects are named on another bench; ARGS="--known", "--sweep", "--other-machines 60", "--calibration", "--contradictions 200", "--help"
 	@$(RUN) -m tests.accuracy.run $(ARGS)
 
 wear: setup ## fleets that run to failure: how early wear is named, false alarms, what is left; ARGS="--seed 3", "--simulated 20"

@@ -20,7 +20,7 @@ ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "COL
 
 
 STARTS_PROCESSES = {"live", "campaign", "demo"}
-"""Verbs that are no single process, and are always given to one that was just started."""
+"""Verbs that are no single process, and are given to one that was just started, but where they are refused before."""
 
 
 @cache
@@ -28,10 +28,10 @@ def server():
     return CommandServer(ENVIRONMENT)
 
 
-def twin(*arguments, cwd=None, timeout=LONGEST, answers=None, started=False):
-    """What a command answers; ``started``: of a process that was started for it, as a shell does."""
+def twin(*arguments, cwd=None, timeout=LONGEST, answers=None, started=None):
+    """What a command answers; ``started``: whether of a process that was started for it, as a shell does."""
     arguments = [*map(str, arguments)]
-    if not started and not STARTS_PROCESSES & {*arguments}:
+    if not (STARTS_PROCESSES & {*arguments} if started is None else started):
         return server().run(arguments, cwd, timeout, answers)
     return subprocess.run(
         [TWIN, *arguments],
@@ -65,7 +65,7 @@ def told(errors):
 
 def refused(*arguments, naming=(), **options):
     """The one line that a refusal is."""
-    result = twin(*arguments, **options)
+    result = twin(*arguments, **{"started": "campaign" in arguments, **options})
     assert result.returncode == 2, (result.returncode, result.stdout, result.stderr)
     lines = [line for line in result.stderr.splitlines() if not line.startswith(("warning:", "compiling "))]
     assert len(lines) == 1 and lines[0].startswith("error: "), result.stderr

@@ -7,7 +7,7 @@ from ema_twin_sim.simulation.virtual_bench import virtual_bench
 COMMANDS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")
 
 
-def record(model, commands=COMMANDS, seconds=10.0, seed=1):
+def record(model, commands=COMMANDS, seconds=6.0, seed=1):
     """One recording a command, named run0, run1, …"""
     return [
         virtual_bench(model, parse_command(text), seconds, seed=seed + k, name=f"run{k}")

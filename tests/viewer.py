@@ -12,7 +12,7 @@ from tests.command_line import ENDING
 
 LAVAPIPE = next(Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"), None)
 REASON = "lavapipe, which draws rerun's views without a graphics card, is missing: sudo apt install mesa-vulkan-drivers"
-SIZE = (1600, 1000)  # pixels
+SIZE = (1280, 800)  # pixels
 
 
 class Viewer:

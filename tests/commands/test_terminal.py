@@ -85,8 +85,9 @@ def better(tmp_path_factory):
 @pytest.mark.slow
 @pytest.mark.parametrize("columns", [60, 80, 100])
 def test_compare(traces, better, columns):
-    one = on_terminal("compare", *traces, *MODEL, columns=columns)
-    two = on_terminal("compare", *traces, *MODEL, "--model", better, columns=columns)
+    runs = (*traces, "--to", 8)
+    one = on_terminal("compare", *runs, *MODEL, columns=columns)
+    two = on_terminal("compare", *runs, *MODEL, "--model", better, columns=columns)
     for lines in (one, two):
         check(lines, columns)
         text = "\n".join(lines)
@@ -126,7 +127,7 @@ def test_effects_and_info(traces):
 
 @pytest.mark.slow
 def test_discover_and_fit(traces, tmp_path):
-    runs = [*traces, "--to", 10]
+    runs = [*traces, "--to", 6]
     lines = on_terminal("discover", *runs, *MODEL, "-o", tmp_path / "new.yaml")
     check(lines)
     assert any(line.startswith("Runner-up to backlash: ") for line in lines)
@@ -135,8 +136,9 @@ def test_discover_and_fit(traces, tmp_path):
     check(on_terminal("fit", *runs, "--model", tmp_path / "new.yaml", *fit))
 
 
+@pytest.mark.slow
 def test_diagnose(traces):
-    lines = on_terminal("diagnose", *traces, "--to", 10, *MODEL)
+    lines = on_terminal("diagnose", *traces, "--to", 6, *MODEL)
     check(lines)
     assert any(re.search(r"backlash\W+\d+ %", line) and "width" in line and "mrad" in line for line in lines)
 

@@ -123,7 +123,7 @@ def test_the_order_that_noise_shows_most_is_one_of_many(stock):
 
 def test_a_delay_stands_out_of_lines_that_part_the_encoders_more_than_it_does(stock):
     runs = (*RUNS, "ramp:0.08", "triangle:0.08:2", "sine:0.07:0.4")
-    late = lined(record(stock.with_effect("encoder_delay", {"delay": 6e-5}), runs), 2e-5)
+    late = lined(record(stock.with_effect("encoder_delay", {"delay": 6e-5}), runs, 10.0), 2e-5)
     assert delay_has_size(late, stock)
 
 

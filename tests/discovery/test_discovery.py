@@ -187,10 +187,3 @@ def test_constants_that_a_search_would_draw_away_are_kept(stock, traces):
     assert (found.verdict, found.added) == ("none", ()) and not found.unseen.worsens
     before, after = (compare(recordings, model).overall["current"]["rmse"] for model in (true, found.model))
     assert after <= CLEARLY_MORE * before
-
-
-@pytest.mark.slow
-def test_play_and_friction_in_the_projects_own_recordings(traces, stock):
-    found = discover([load(trace) for trace in traces], stock)
-    assert found.verdict == "explained" and set(found.added) == {"backlash", "stribeck_friction"}
-    assert found.parameters["backlash"]["width"]["value"] == pytest.approx(0.004, rel=0.02)

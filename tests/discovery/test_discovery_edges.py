@@ -34,7 +34,10 @@ def test_a_coarse_current_hides_no_load_and_invents_nothing(step, stock):
 @pytest.mark.slow
 def test_a_recording_at_standstill_among_others_is_no_error(stock):
     true = stock.with_effect("gravity_load", {"torque": 0.09, "angle": 0.5})
-    recordings = [*record(true), virtual_bench(true, parse_command("ramp:1e-9"), 4.0, seed=9, name="still")]
+    recordings = [
+        *record(true, COMMANDS[:2]),
+        virtual_bench(true, parse_command("ramp:1e-9"), 4.0, seed=9, name="still"),
+    ]
     found = discover(recordings, stock)
     assert found.added == ("gravity_load",)
     assert evidence_json(found)["steps"]
@@ -63,7 +66,10 @@ def test_constants_that_all_moved_for_sure_stay_where_they_are(stock, monkeypatc
 
 
 def test_a_model_with_play_is_fitted_without_an_output_encoder(stock):
-    bare = [with_signals(r, {n: v for n, v in r.signals.items() if n != "output_position"}) for r in record(stock)]
+    bare = [
+        with_signals(r, {n: v for n, v in r.signals.items() if n != "output_position"})
+        for r in record(stock, seconds=10.0)
+    ]
     fitted = fit_model(bare, stock.with_effect("backlash", {"width": 0.002}), method="equation")
     width = fitted.parameters["backlash"]["width"]
     assert 0.0 < width["value"] < 0.0025 and width["std"] > 1e-5  # the torque has none to show
@@ -81,7 +87,7 @@ def test_counts_that_a_counter_lost_are_no_play(plain_pair, stock):
 def plain_pair(stock):
     """A recording of the stock machine, and the same whose output encoder loses 2 mrad on its way."""
     recording = record(stock)[0]
-    lost = recording.signals["output_position"] - 0.002 * (recording.time > 6.0)
+    lost = recording.signals["output_position"] - 0.002 * (recording.time > 4.0)
     return recording, with_signals(recording, {**recording.signals, "output_position": lost})
 
 

@@ -35,7 +35,7 @@ RUNS = ("ramp:0.05", "ramp:0.1", "triangle:0.06:2", "sine:0.05:0.4")
     ],
 )
 def test_with_the_true_effect_left_out_nothing_is_named(id, parameters, depends_on, stock):
-    found = discover(record(stock.with_effect(id, parameters), RUNS), stock, without=(id,))
+    found = discover(record(stock.with_effect(id, parameters), RUNS, 8.0), stock, without=(id,))
     assert (found.verdict, found.added) == ("unknown", ())
     assert depends_on in found.depends_on
     assert not found.parameters

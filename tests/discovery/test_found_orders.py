@@ -113,7 +113,7 @@ def test_a_pendulum_at_the_motor_is_gravity_before_it_is_the_best_of_many_waves(
     machine = stock.with_value("machine.gear_ratio", 1.0).with_value("drive.position_gain", 20.0)
     machine = replace(machine, orders={}, other_orders=True)
     hidden = machine.with_effect("gravity_load", {"torque": 0.2, "angle": angle})
-    found = discover(record(hidden, ("ramp:4", "sine:5:0.2", "triangle:4:2"), seconds=10.0), machine)
+    found = discover(record(hidden, ("ramp:4", "sine:5:0.2", "triangle:4:2"), seconds=7.0), machine)
     assert (found.verdict, found.added) == ("explained", ("gravity_load",))
     assert found.groups == (("cogging", "gravity_load", "sun_runout"),)
     assert "none of the commands that were tried tells" in found.next_recording

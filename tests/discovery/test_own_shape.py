@@ -45,7 +45,7 @@ def with_friction(recordings, model, curve):
     ],
 )
 def test_the_true_effect_stands(effect, parameters, stock):
-    recordings = record(stock.with_effect(effect, parameters), RUNS)
+    recordings = record(stock.with_effect(effect, parameters), RUNS, 10.0)
     assert standing(recordings, stock, effect, parameters) == (effect,)
 
 

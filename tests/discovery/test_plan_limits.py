@@ -98,6 +98,7 @@ def test_a_command_of_a_carriage_is_put_in_metres():
     assert in_words("step:0.2:5", "linear").endswith("steps between 0 and 0.2 m every 5 s")
 
 
+@pytest.mark.slow
 def test_a_limit_that_says_nothing_for_these_recordings_is_refused(tmp_path, stock):
     (run,) = record(stock, ("triangle:0.06:1",), seconds=4.0)
     write_mcap(run, tmp_path / "current.mcap")

@@ -27,7 +27,7 @@ effects:
 STEP = 2e-4  # s
 
 
-def wound_up(stiffness, friction, by_load=0.0, gap=0.0, *, furthest=0.5, period=10.0, viscous=2e-3, noise=2e-3):
+def wound_up(stiffness, friction, by_load=0.0, gap=0.0, *, furthest=0.5, period=6.0, viscous=2e-3, noise=2e-3):
     """A motor on a stiff position loop that follows a triangle, wound up against its clamped output [N m, rad, s].
 
     Quasi-static: the torque is that of the spring beyond its gap, and of friction against the motion.

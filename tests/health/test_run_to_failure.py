@@ -14,6 +14,7 @@ def told():
     return [judge_unit(drawn_unit(21, number)) for number in range(20)]
 
 
+@pytest.mark.slow
 def test_wear_is_named_early_and_no_healthy_unit_is_called_off(told):
     worn = [one for one in told if one.wears]
     assert np.mean([one.lost_when_named <= 0.2 for one in worn]) >= 0.9
@@ -22,6 +23,7 @@ def test_wear_is_named_early_and_no_healthy_unit_is_called_off(told):
     assert sum(one.recordings for one in told) > 4000
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_remaining_life_of_units_that_wear_by_many_laws(told):
     held = [answer for one in told for answer in one.held]
     assert len(held) >= 0.9 * len(ASKED_AT) * sum(one.wears is not None for one in told)
@@ -29,6 +31,7 @@ def test_intervals_hold_the_remaining_life_of_units_that_wear_by_many_laws(told)
     assert 0.75 <= np.mean([answer for answer in held if answer is not None]) <= 1.0
 
 
+@pytest.mark.slow
 def test_the_figures_tell_all_of_it(told):
     text = figures(told)
     for part in ("20 units, 16 of which wear", "false alarms", "hold it", "named before 20 %"):
@@ -46,7 +49,7 @@ def test_a_unit_that_has_failed_records_no_more():
 @pytest.mark.slow
 def test_simulated_units_are_judged_by_health_and_by_numbers(tmp_path, monkeypatch):
     """A short life of two units, from their recordings to the table of `make wear ARGS="--simulated 2"`."""
-    for name, value in (("HEALTHY_TESTS", 5), ("TESTS", 9), ("REPEATS", 2), ("SECONDS", 6.0), ("LOST_AT_LAST", 0.3)):
+    for name, value in (("HEALTHY_TESTS", 4), ("TESTS", 8), ("REPEATS", 2), ("SECONDS", 4.0), ("LOST_AT_LAST", 0.3)):
         monkeypatch.setattr(simulated, name, value)
     monkeypatch.setattr(simulated, "WEARS", {kind: simulated.WEARS[kind] for kind in ("play", "nothing")})
     simulated.simulate_units(tmp_path, 2, 5)

@@ -59,7 +59,7 @@ def test_an_effect_that_gains_clearly_stays_however_small_it_became(stock, monke
     """A part of what it explains may be taken for wandering, and the rest is less than a size that is worth a name."""
     load = {"torque": 2.5e-4}
     model = stock.with_effect("constant_load", load)
-    problem = EquationErrorProblem(observe_all(record(model, RUNS), stock))
+    problem = EquationErrorProblem(observe_all(record(model, RUNS, 10.0), stock))
     f = fit(problem, null_hypothesis(stock).with_effect("constant_load", {}, load), 20)
     gain = penalised_gain(fit(problem, f.hypothesis.without("constant_load")), f)
     monkeypatch.setattr(adding, "DEPENDS", 0.5 * gain)
@@ -121,7 +121,7 @@ class TestWhitening:
 class TestShare:
     @pytest.mark.parametrize("share", [0.02, 0.06])
     def test_it_is_recovered(self, share, stock):
-        found = told(worn(record(stock, RUNS), share, stock), stock)
+        found = told(worn(record(stock, RUNS, 10.0), share, stock), stock)
         assert found is not None
         assert 0.5 * share < found.share < 2.0 * share
 
@@ -161,10 +161,11 @@ class TestBesideIt:
         both = play.with_effect("stribeck_friction", {"torque": 0.06, "speed": 2.0})
         assert ended_beside_play(worn(record(both, RUNS), 0.05, stock), stock) == {"backlash", "stribeck_friction"}
 
+    @pytest.mark.slow
     def test_what_is_hidden_is_named_and_the_rest_is_told(self, stock):
         """The constants stay near the file's: without wandering in the noise, friction drags viscous far away."""
         true = stock.with_effect("constant_load", {"torque": 0.03})
-        found = discover(worn(record(true, RUNS), 0.05, stock), stock)
+        found = discover(worn(record(true, RUNS, 10.0), 0.05, stock), stock)
         assert found.added == ("constant_load",)
         assert found.verdict == "unknown" and "time" in found.depends_on
         assert found.model.effects["constant_load"].parameters["torque"] == pytest.approx(0.03, rel=0.1)

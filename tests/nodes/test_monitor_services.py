@@ -12,7 +12,6 @@ from ema_bench_replay.nodes import qos
 from ema_twin_msgs.msg import Diagnosis, EmaState, Health, Residual
 from ema_twin_msgs.srv import Apply, Diagnose
 from tests.command_line import ENDING
-from tests.conftest import outside
 
 pytestmark = pytest.mark.timeout(900)
 
@@ -111,12 +110,8 @@ def own(traces):
     return next(path for path in traces if "sine_0.05" in path.name)
 
 
-def dev10(traces):
-    return next((outside("bench_cases") / "dev10" / "train").glob("*sine*"))
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("bench", [own, dev10], indirect=True)
+@pytest.mark.parametrize("bench", [own], indirect=True)
 def test_what_is_missing_is_named_added_and_the_error_falls(bench):
     run = bench.compared(4500)
     asked = len(bench.residuals)

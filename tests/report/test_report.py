@@ -320,7 +320,7 @@ def test_recordings_that_tell_nothing(models, recordings):
 
 @pytest.mark.slow
 def test_long_recordings_stay_small(models, recordings):
-    long = [record(models[1], ("sine:0.05:0.4",), seconds=60.0)[0]] * 12
+    long = [record(models[1], ("sine:0.05:0.4",), seconds=20.0)[0]] * 12
     text = page(content_of(models, long))
     assert len(text) < LARGEST
 

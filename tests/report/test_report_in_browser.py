@@ -32,8 +32,7 @@ def report(tmp_path_factory, written):  # noqa: F811
     return path
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("width", [1280, 400])
+@pytest.mark.parametrize(("width", "scheme"), [(1280, "light"), (400, "dark")])
 def test_every_chart_is_drawn_and_everything_fits(browser, report, tmp_path, width, scheme):
     for heard in (browser.errors, browser.warnings, browser.requested):
         heard.clear()
