@@ -10,6 +10,7 @@ from .cases import Case
 from .judge import Verdict
 from .other_machines import other_machine_case
 
+UNKNOWN = "unknown"
 REASONS: dict[str, str] = yaml.safe_load(Path(__file__).with_suffix(".yaml").read_text("utf-8"))
 """What had gone wrong, by the case's name."""
 
@@ -26,5 +27,10 @@ def known_cases() -> list[Case]:
 
 
 def kept(verdict: Verdict) -> bool:
-    """Whether all that is hidden is named, and nothing wrong beside it: the spring of a gearbox that rings is not."""
-    return {*verdict.hidden} <= {*verdict.added} and not verdict.wrong
+    """Whether all that is hidden is named, and nothing wrong beside it: the spring of a gearbox that rings is not.
+
+    A cause of no catalogue is named by nothing, and told as unknown.
+    """
+    known = {*verdict.hidden} - {UNKNOWN}
+    told = verdict.verdict == UNKNOWN or UNKNOWN not in verdict.hidden
+    return known <= {*verdict.added} and told and not verdict.wrong

@@ -1,4 +1,4 @@
-"""The gate: ten cases of both benches, drawn from one seed.
+"""The gate: twelve cases of both benches, drawn from one seed.
 
 Who changes a rule of the search sees at once that it names other effects; what that is worth, sixty cases tell
 (``make accuracy``).
@@ -15,12 +15,9 @@ from tests.accuracy.work import solve
 
 pytestmark = pytest.mark.slow
 SEED = 2026
-CASES = [
-    *(replace(case, seconds=10.0) for case in drawn_cases(SEED, 8)),
-    *(case for case in other_machine_cases(SEED, 4) if case.name in ("000_plain", "003_none")),
-]
+CASES = [*(replace(case, seconds=10.0) for case in drawn_cases(SEED, 8)), *other_machine_cases(SEED, 4)]
 """Of one bench, half as long as others: one effect, two, three, none, and what no catalogue holds; of other machines,
-none of them kind, one effect and none. More of those: test_known.py.
+none of them kind. More of those: test_known.py.
 """
 
 
@@ -44,9 +41,9 @@ def test_none_is_confidently_wrong_and_nothing_breaks(verdicts):
     assert (sums["wrong"], sums["broken"], sums["false_alarms"]) == (0, 0, 0), told(verdicts)
 
 
-def test_nine_of_ten_are_named_exactly(verdicts):
-    """All ten when this was written."""
-    assert totals(verdicts)["found"] >= 9, told(verdicts)
+def test_ten_of_twelve_are_named_exactly(verdicts):
+    """Eleven when this was written: a mesh friction beside a spring was missed."""
+    assert totals(verdicts)["found"] >= 10, told(verdicts)
 
 
 def test_their_numbers_are_right_and_so_are_the_standard_errors(verdicts):

@@ -100,6 +100,16 @@ def test_a_spring_is_no_friction_that_gives_way(joint):
     assert not has_effect_size(problem, fit(problem, h), fit(problem, bristle))
 
 
+@pytest.mark.parametrize(("size", "verdict"), [(0.5, "none"), (12.0, "unknown")])
+def test_what_is_too_fast_for_the_rows_is_not_nothing(size, verdict, joint):
+    """Rows average a second of samples; torque that changes from each to the next is gone there, and is there."""
+
+    def rattles(time, angle, speed):
+        return size * np.random.default_rng(7).standard_normal(len(time))
+
+    assert discover([moved(rattles, seed=k) for k in (1, 2)], joint).verdict == verdict
+
+
 def test_a_load_that_took_the_place_of_two_is_judged_by_what_all_of_them_removed(joint):
     """Over so little of a turn gravity is a constant load and a spring; its own step, after theirs, removes nothing."""
     time = np.arange(4000) * 2.5e-3
