@@ -152,7 +152,7 @@ MISSHAPEN = 20.0
 FAR_OFF_ROW = 30.0
 """The same while starts are compared; the limit at which a row is cut off, and the most it can cost."""
 CORRELATION = 2.0
-"""Rows that count as one, because neighbours share half their smoothing window."""
+"""Rows that count as one, because neighbours share half their smoothing window. Operating points share nothing."""
 
 # The search
 

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..criteria import BESIDE_IMPACTS, CORRELATION, DAMPING_ERROR, LAG_TOLERANCE, SIDES_ERROR
+from ..criteria import BESIDE_IMPACTS, DAMPING_ERROR, LAG_TOLERANCE, SIDES_ERROR
 from ..identification.equation import EquationErrorProblem
 from ..identification.hypothesis import LAG, LAG_LIMIT, LAG_STEP, Free, Hypothesis
 from ..identification.jacobian import jacobian
@@ -50,7 +50,7 @@ class EquationMisfit:
     """The equation error over all recordings, in units of noise; the last parameter is the lag of the current."""
 
     def __init__(self, equation: EquationErrorProblem, freedom: FreeParameters) -> None:
-        self.variance = CORRELATION
+        self.variance = equation.correlation
         self.freedom = FreeParameters(
             freedom.model, (*freedom.numbers, LAG_NUMBER), np.append(freedom.start, 0.0), freedom.notes
         )

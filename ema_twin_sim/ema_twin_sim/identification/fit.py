@@ -9,7 +9,6 @@ from functools import cache, partial
 
 import numpy as np
 
-from ..criteria import CORRELATION
 from ..parallel import predictions
 from .along_slopes import AlongSlopes
 from .equation import EquationErrorProblem
@@ -63,7 +62,7 @@ class Fit:
         separate: interpolation error of an encoder says nothing about how well the torque is known.
         """
         of_torque, of_encoders = (
-            CORRELATION * max(1.0, misfit / max(count, 1))
+            self.problem.correlation * max(1.0, misfit / max(count, 1))
             for misfit, count in zip(self.misfits, self.judged, strict=True)
         )
         return of_torque, of_encoders
@@ -76,7 +75,7 @@ class Fit:
         """
         if self.judged[0] and not self.parted:
             return self.variance_inflations[0]
-        return CORRELATION * max(1.0, self.misfit / sum(self.judged))
+        return self.problem.correlation * max(1.0, self.misfit / sum(self.judged))
 
     @property
     def row_variance_inflations(self) -> np.ndarray:

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..criteria import MISSHAPEN, NEARLY_ALL, OUTLIER
+from ..criteria import CORRELATION, MISSHAPEN, NEARLY_ALL, OUTLIER
 from ..measured.observation import Observation
 from ..plant.measured_motion import SPEED
 from .joined_motions import JoinedMotions
@@ -40,6 +40,7 @@ class RecordedRows:
     fastest: float  # rad/s, of the motor
     outlier: float  # times the bulk of a residual, where outliers begin
     reached: Reached
+    correlation: float  # rows that count as one: neighbours share half their smoothing window; points share nothing
 
     def __init__(self, observations: Sequence[Observation]) -> None:
         joined = JoinedMotions.of(observations)
@@ -67,6 +68,7 @@ class RecordedRows:
             encoder_noise=encoder_noise,
             in_noise=in_noise,
             stops=stops,
+            correlation=1.0 if all(o.of_points for o in observations) else CORRELATION,
             samples=len(joined.motion),
             size=size,
             rows=len(in_noise),

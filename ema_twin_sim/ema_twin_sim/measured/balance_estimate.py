@@ -14,7 +14,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording, spread
 
-from ..criteria import CONTRADICTED, NEGLIGIBLE
+from ..criteria import CONTRADICTED, NEGLIGIBLE, SMALL
 from ..model import Model
 from .smoothing import gaussian, smooth
 
@@ -40,7 +40,8 @@ class BalanceEstimate:
 def estimate_balance(recordings: Sequence[Recording], model: Model, torque: float) -> BalanceEstimate | None:
     """The estimate from recordings of a motion; ``torque`` is the drive's rms torque. None if there is no motion.
 
-    If no inertia is significant, it is set to its standard error, which says at least how large it may be.
+    If no inertia is significant, it is set to its standard error, or to what makes a SMALL part of the torque if that
+    is less: it is hardly larger.
     """
     moving = [r for r in spread(recordings) if r.has("current", "motor_position") and not r.of_points and len(r) > ROWS]
     found: BalanceEstimate | None = None
@@ -105,7 +106,9 @@ def _regressed(
     error = math.sqrt(covariance[0, 0]) / size[0]
     if significant and inertia < CONTRADICTED * error:
         return None
-    inertia = max(float(inertia), error)
-    if inertia == 0.0:
+    if not significant:
+        hardly_more = SMALL * float(np.sqrt(np.mean(torque**2))) / size[0]
+        inertia = min(max(float(inertia), error), hardly_more)
+    if inertia <= 0.0:
         return None
     return BalanceEstimate(float(inertia), max(float(viscous), 0.0), max(float(coulomb), 0.0))

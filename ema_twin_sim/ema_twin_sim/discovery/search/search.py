@@ -11,7 +11,6 @@ import numpy as np
 from ...criteria import (
     BESIDE_IMPACTS,
     CLEARLY_MORE,
-    CORRELATION,
     COST_OF_BASIS_COLUMN,
     MISFIT_DOUBTED,
     MISFIT_LEFT,
@@ -148,7 +147,7 @@ def _beside_gearbox(asked: _Asked, current: Fit, rounds: list[Round], may_wander
 def explains_torque_with(wander: Wander, plain: EquationErrorProblem, beside: Fit) -> bool:
     """Whether the torque is explained with wandering friction, and not as well by a dependence on something else."""
     left = torque_left(beside)
-    paid = left + CORRELATION * wander.complexity_penalty / plain.size
+    paid = left + plain.correlation * wander.complexity_penalty / plain.size
     return left <= MISFIT_LEFT and not depends_on_more(plain, beside.hypothesis, paid)
 
 
@@ -268,14 +267,14 @@ def depends_on_more(problem: EquationErrorProblem, h: Hypothesis, at_most: float
     columns = problem.generic_bases[name].shape[1]
     beside = fit(problem, h.with_generic_basis(name, columns))
     return (
-        torque_left(beside) + CORRELATION * COST_OF_BASIS_COLUMN * columns / problem.size
+        torque_left(beside) + problem.correlation * COST_OF_BASIS_COLUMN * columns / problem.size
         < at_most + MISFIT_DOUBTED - 1.0
     )
 
 
 def _torque_cost(f: Fit) -> float:
     """Cost of a hypothesis by torque, as twice a negative log-likelihood including its complexity penalty."""
-    return float(f.problem.costs(f.raw)[: f.problem.size].sum()) / CORRELATION + complexity_penalty(f)
+    return float(f.problem.costs(f.raw)[: f.problem.size].sum()) / f.problem.correlation + complexity_penalty(f)
 
 
 def torque_left(f: Fit) -> float:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from ...criteria import BESIDE_IMPACTS, CORRELATION, DEPENDS
+from ...criteria import BESIDE_IMPACTS, DEPENDS
 from ...effects import catalogue
 from ...identification.fit import Fit, fit
 from ...identification.wander import Wander
@@ -33,7 +33,7 @@ def wandering_after_all(
         return None
     progress(f"friction seems to vary slowly by {wander.share:.1%}: judging the result with that as part of the noise")
     beside = significant(found.further(*add_effects(_beside(found.fit, wander), without, progress)))
-    allowed = torque_left(beside.fit) + CORRELATION * wander.complexity_penalty / plain.size
+    allowed = torque_left(beside.fit) + plain.correlation * wander.complexity_penalty / plain.size
     if explained(beside.problem, beside.fit, start) and not depends_on_more(plain, beside.fit.hypothesis, allowed):
         return beside
     return None
