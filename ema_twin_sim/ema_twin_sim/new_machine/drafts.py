@@ -26,7 +26,7 @@ from .columns import Guess, Guesses
 from .given import Given
 from .map_draft import draft_map
 from .model_draft import ModelDraft, draft_model, farthest
-from .shaft import Shaft, position_shaft, too_slow_for_a_motor
+from .shaft import Shaft, is_possible, position_shaft, ratio_of_positions, too_slow_for_a_motor
 from .unit_questions import questions_about_units
 
 
@@ -52,21 +52,22 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     shaft = Shaft(given.shaft or "motor")
     drafted = draft_map(guesses, of, shaft)
     recordings = _read(drafted, traces)
+    source = str(traces[0]) if traces else given.name
     if not traces:  # without a recording, nothing is known of the sensors
         empty = {guess.signal: np.zeros(2) for guess in guesses.signals}
         metadata = {MOTION: guesses.motion} if guesses.motion != "rotary" else {}
         recording = Recording(given.name, np.arange(2) * 1_000_000, empty, metadata=metadata)
-        return Drafts(drafted, checked_model((recording,), given, shaft).text)
+        return Drafts(drafted, checked_model((recording,), given, shaft, source).text)
     for recording in recordings:
         _refuse_slow_samples(recording, guesses)
     reason = _no_load(recordings, guesses.motion)
     not_load = f"not used as the load: {reason}" if reason else ""
-    still = _standing(recordings)
-    left_out = {
-        guess.column: why
-        for guess in guesses.signals
-        if (why := {"load_torque": not_load, "motor_position": still}.get(guess.signal, ""))
+    of_signal = {
+        "load_torque": not_load,
+        "motor_position": _standing(recordings),
+        "output_position": _of_no_gear(recordings, guesses),
     }
+    left_out = {guess.column: why for guess in guesses.signals if (why := of_signal.get(guess.signal, ""))}
     if left_out:
         guesses = guesses.without(tuple(left_out))
         recordings = _read(draft_map(guesses, of, shaft), traces)
@@ -96,7 +97,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
             f"{columns}: read as values of the output shaft, {slow} (if one is the motor's, say so in its name, as in "
             "'motor position [rad]', and run init again)"
         )
-    model = checked_model(recordings, given, shaft)
+    model = checked_model(recordings, given, shaft, source)
     asked = (*questions, *model.questions)
     warnings = tuple(warning for recording in recordings for warning in recording.warnings)
     return Drafts(draft_map(guesses, of, shaft), model.text, asked, (*assumed, *model.assumed), left_out, warnings)
@@ -122,6 +123,16 @@ def _standing(recordings: Sequence[Recording]) -> str:
     return f"not used: it stands still, while by the speed the motor moves by {quantity(max(moved), unit)}"
 
 
+def _of_no_gear(recordings: Sequence[Recording], guesses: Guesses) -> str:
+    """Why a position is not the output's: the motor would turn by a ratio that no model may have; else empty."""
+    ratio = ratio_of_positions(farthest(recordings))
+    if ratio is None or is_possible(ratio):
+        return ""
+    motor = next(guess.column for guess in guesses.signals if guess.signal == "motor_position")
+    times = 1.0 / abs(ratio)
+    return f"not used as the output's position: it changes {times:.3g} times as much as {motor}, as with no gear"
+
+
 def _turned_round(guess: Guess) -> Guess:
     """The load's column, to be read with its sign reversed; other columns unchanged."""
     return replace(guess, turned_round=True) if guess.signal == "load_torque" else guess
@@ -139,17 +150,28 @@ def _read(map_text: str, traces: Sequence[Path]) -> list[Recording]:
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / "map.yaml"
         place.write_text(map_text)
-        load_map(place)
-        return [load(trace, import_map=place) for trace in traces]
+        try:
+            load_map(place)
+            return [load(trace, import_map=place) for trace in traces]
+        except InputError as error:  # without the path of a file that the user never sees
+            of = f"{traces[0]}: the map drafted from it" if traces else "the drafted map"
+            raise InputError(str(error).replace(str(place), of)) from None
 
 
-def checked_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> ModelDraft:
-    """YAML of a first model that can be read. The motor's position is as in its column, which is of that ``shaft``."""
+def checked_model(recordings: Sequence[Recording], given: Given, shaft: Shaft, source: str = "") -> ModelDraft:
+    """YAML of a first model that can be read. The motor's position is as in its column, which is of that ``shaft``.
+
+    Raises InputError, which names the ``source`` of the recordings, or the first one, if they give no model.
+    """
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / "model.yaml"
         draft = draft_model(recordings, given, shaft)
         place.write_text(draft.text)
-        load_model(place)
+        try:
+            load_model(place)
+        except InputError as error:  # of a file that the user never sees
+            said = str(error).replace(str(place), f"{source or recordings[0].name}: the model drafted from it")
+            raise InputError(f"{said}; rename the columns it comes from, or remove them, and run init again") from None
     return draft
 
 
