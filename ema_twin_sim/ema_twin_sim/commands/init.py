@@ -125,7 +125,7 @@ def run(
             say(f"{column}: {reason}")
         warn_of_foreign_units(guesses)
         joint = (guesses.joint.sentence,) if guesses.joint.number else ()
-        say_what_it_rests_on(*files, (*joint, *assumed_units(guesses), *drafts.assumed))
+        say_what_it_rests_on(*files, (*joint, *assumed_units(guesses), *drafts.assumed), drafts.known)
     for told in (*drafts.warnings, *drafts.questions):
         warn(told)
     say_next(files, drafts, guesses, [quote(str(trace)) for trace in traces] or ["TRACE.csv"], holed)

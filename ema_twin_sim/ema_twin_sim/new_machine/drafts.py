@@ -29,10 +29,13 @@ from .model_draft import ModelDraft, draft_model, farthest
 from .shaft import Shaft, is_possible, position_shaft, ratio_of_positions, too_slow_for_a_motor
 from .unit_questions import questions_about_units
 
+_OUTPUTS = ("output_position", "output_command")
+
 
 class Drafts(NamedTuple):
     """Texts of a map and a model; questions about the recording's units; what was assumed from usual sizes; the columns
-    of guesses that the map leaves out, and why; and what is wrong with the recordings, as they are read with this map.
+    of guesses that the map leaves out, and why; what is wrong with the recordings, as they are read with this map; and
+    what they show besides the numbers of the model.
     """
 
     map: str
@@ -41,6 +44,7 @@ class Drafts(NamedTuple):
     assumed: tuple[str, ...] = ()
     left_out: Mapping[str, str] = MappingProxyType({})
     warnings: tuple[str, ...] = ()
+    known: tuple[str, ...] = ()
 
 
 def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Drafts:
@@ -73,10 +77,16 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         recordings = _read(draft_map(guesses, of, shaft), traces)
     assumed = []
     if falls_with_load(recordings):
-        guesses = replace(guesses, signals=tuple(map(_turned_round, guesses.signals)))
+        guesses = replace(guesses, signals=tuple(_turned_round(guess, ("load_torque",)) for guess in guesses.signals))
         recordings = _read(draft_map(guesses, of, shaft), traces)
         columns = ", ".join(g.column for g in guesses.signals if g.turned_round)
         assumed.append(f"{columns}: sign reversed, because the drive's torque falls when it rises")
+    shown = []
+    if _turns_back(recordings):
+        guesses = replace(guesses, signals=tuple(_turned_round(guess, _OUTPUTS) for guess in guesses.signals))
+        recordings = _read(draft_map(guesses, of, shaft), traces)
+        columns = ", ".join(g.column for g in guesses.signals if g.turned_round and g.signal in _OUTPUTS)
+        shown.append(f"{columns} turned round (`factor: -1` in the map), since the output turns against the motor")
     units = {guess.signal: guess.unit for guess in guesses.signals}
     questions = tuple(question for recording in recordings for question in questions_about_units(recording, units))
     known = None not in (units.get("motor_position"), units.get("speed"))
@@ -100,7 +110,15 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     model = checked_model(recordings, given, shaft, source)
     asked = (*questions, *model.questions)
     warnings = tuple(warning for recording in recordings for warning in recording.warnings)
-    return Drafts(draft_map(guesses, of, shaft), model.text, asked, (*assumed, *model.assumed), left_out, warnings)
+    return Drafts(
+        draft_map(guesses, of, shaft),
+        model.text,
+        asked,
+        (*assumed, *model.assumed),
+        left_out,
+        warnings,
+        tuple(shown),
+    )
 
 
 def _no_load(recordings: Sequence[Recording], motion: str) -> str:
@@ -133,9 +151,15 @@ def _of_no_gear(recordings: Sequence[Recording], guesses: Guesses) -> str:
     return f"not used as the output's position: it changes {times:.3g} times as much as {motor}, as with no gear"
 
 
-def _turned_round(guess: Guess) -> Guess:
-    """The load's column, to be read with its sign reversed; other columns unchanged."""
-    return replace(guess, turned_round=True) if guess.signal == "load_torque" else guess
+def _turns_back(recordings: Sequence[Recording]) -> bool:
+    """Whether the output turns against the motor in each recording that shows their ratio; False if none shows it."""
+    shown = [ratio for ratio in map(ratio_of_positions, recordings) if ratio is not None]
+    return bool(shown) and max(shown) < 0.0
+
+
+def _turned_round(guess: Guess, signals: Sequence[str]) -> Guess:
+    """The column of one of these ``signals``, to be read with its sign reversed; other columns unchanged."""
+    return replace(guess, turned_round=True) if guess.signal in signals else guess
 
 
 def _of_the_output(guess: Guess, why: str) -> Guess:
