@@ -102,3 +102,20 @@ def test_a_weight_is_found_behind_a_speed_of_single_counts(motor):
     assert torque["value"] == pytest.approx(GRAVITY, rel=0.03)
     inertia = next(iter(found.constants["machine"].values()))
     assert inertia["value"] == pytest.approx(INERTIA, rel=0.03)
+
+
+def test_recordings_without_a_position_are_told_in_one_line():
+    """It was a line for each of them."""
+    time = np.arange(2000) * 1e-3
+    signals = {"speed": np.sin(5.0 * time), "current": np.cos(5.0 * time)}
+    runs = [
+        Recording(f"r{k}", np.rint(time * 1e9).astype(np.int64), signals, warnings=(f"r{k}: of its own",))
+        for k in range(35)
+    ]
+    found = as_measured(runs, load_model("laas_motor"))
+    told = "r0 and 34 more: has no position; its speed is integrated instead, and angles count from its start"
+    assert found[0].warnings == ("r0: of its own", told)
+    assert [one.warnings for one in found[1:]] == [one.warnings for one in runs[1:]]
+    assert all(one.has("motor_position") for one in found)
+    alone = as_measured(runs[3:4], load_model("laas_motor"))
+    assert alone[0].warnings[1] == told.replace("r0 and 34 more", "r3")

@@ -38,7 +38,39 @@ def test_a_shaft_that_only_gives_way_is_refused_with_a_remedy_that_applies(motor
     ) as said:
         discover([recording_in(pushed(way), units)], motor)
     assert "longer, or" not in str(said.value)
+    assert "operating points (init --operating-points)" in str(said.value)
 
 
 def test_one_that_slides_far_is_judged(motor):
     assert len(observe_all(*to_own_units([pushed(3.0)], motor))[0].rows) > 100
+
+
+def wound(name, torque=3.0):
+    """A stiff spring that a clamped motor winds up by a ``torque`` [N m] either way, slowly; its encoder has noise."""
+    time = np.arange(0.0, 35.0, 0.01)
+    loads = np.interp(time, [0, 5, 10, 15, 20, 25, 30, 35], [0, 0, 1, 1, 0, -1, -1, 0])
+    rng = np.random.default_rng(4)
+    turned = 1.2e-3 * loads + 2e-5 * rng.standard_normal(len(time))
+    signals = {
+        "motor_torque": torque * loads + 0.002 * rng.standard_normal(len(time)),
+        "motor_position": 1.4e-5 * np.rint(turned / 1.4e-5),
+    }
+    return Recording(name, np.rint(time * 1e9).astype(np.int64), signals)
+
+
+def refused(runs, model):
+    with pytest.raises(InputError) as said:
+        observe_all(*to_own_units(runs, model))
+    return str(said.value)
+
+
+def test_a_spring_that_is_wound_up_is_to_be_read_as_operating_points(motor):
+    """It was to be moved faster, which shows nothing of its stiffness."""
+    told = refused([wound(f"a_long_name_of_a_run_{k}") for k in range(8)], motor)
+    assert told.startswith("a_long_name_of_a_run_0 and 7 more: ")
+    assert "a test of stiffness, held at each load, is read as operating points: `operating_points: true`" in told
+    assert told.endswith("init --operating-points")
+
+
+def test_a_shaft_that_rests_unloaded_is_no_test_of_stiffness(motor):
+    assert "operating" not in refused([wound("a", torque=0.0)], motor)

@@ -43,6 +43,12 @@ EXPORTS = {
         ";",
         comma=True,
     ),
+    "a drive's recorder, which does not name the time": text(
+        'Date:;2020-07-08 21:54:05\nIndex:;0x30D3;0x30D2\nScale:;0;True;100.000;0.500\n"Trigger:;0;""Channel 1"""\n'
+        ";Position actual value;Velocity actual value;Current actual value\nms;°;rpm;A\n",
+        (TIME * 1e3, ANGLE * DEGREES, SPEED * RPM, CURRENT),
+        ";",
+    ),
     "LabVIEW's header, with a comment that no row has": text(
         "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\t\nChannels\t3\t\t\nSamples\t1500\t1500\t1500\n"
         "***End_of_Header***\t\t\t\t\nX_Value\tMotor angle (deg)\tMotor speed (rpm)\tMotor current (A)\tComment\n",

@@ -153,9 +153,7 @@ def test_an_output_that_turns_the_other_way_is_said(tmp_path):
     (tmp_path / "a: b.csv").write_text("time [s],current [A],motor position [deg],output position [deg]\n" + rows)
     told = done("init", "a: b.csv", "-o", "counter", cwd=tmp_path)
     assert "marked CHECK" in told.stdout
-    assert (
-        "factor: -1" in (tmp_path / "counter.yaml").read_text() or "against" in (tmp_path / "counter.yaml").read_text()
-    )
+    assert "the output turns against the motor" in (tmp_path / "counter_map.yaml").read_text()
 
 
 def test_counts_are_no_radians(tmp_path):

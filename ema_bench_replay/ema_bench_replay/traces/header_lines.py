@@ -17,8 +17,10 @@ MOST_LINES = 200
 _DELIMITERS = (";", "\t", ",")
 _NUMBER = re.compile(r"[-+]?[\d.,]*\d[\d.,]*(?:[eE][-+]?\d+)?")
 _UNIT_MARK = re.compile(r"[\[(].*[\])]|[-+\w.*·^⁻¹²]*[°%/µμΩ][-+\w./*·^⁻¹² ]*")
+_TIMES = {"s", "sec", "ms", "us", "ns", "min"}
 _UNITS = {
-    *("s", "sec", "ms", "us", "ns", "min", "rad", "mrad", "deg", "grad", "rev", "turns", "u", "tr", "inc", "counts"),
+    *_TIMES,
+    *("rad", "mrad", "deg", "grad", "rev", "turns", "u", "tr", "inc", "counts"),
     *("rpm", "upm", "hz", "a", "ma", "v", "mv", "w", "kw", "n", "kn", "nm", "mnm", "ncm", "m", "mm", "um", "degc"),
 }
 """Units in lower case that are recognised as such; other units contain a character that names do not have."""
@@ -61,7 +63,8 @@ def header_lines(block: bytes) -> HeaderLines | None:
     header = plain if rows is None else _above(lines, plain, rows)
     if rows is not None and header == rows - 2:
         mark = _delimiter(lines[header][0])
-        text = mark.join(_with_units(_cells(lines[header][0], mark), _cells(lines[rows - 1][0], mark)))
+        units = _cells(lines[rows - 1][0], mark)
+        text = mark.join(_with_units(_with_time(_cells(lines[header][0], mark), units), units))
         return HeaderLines(text, rows, lines[rows - 1][1])
     text = lines[header][0]
     if rows is not None and header == rows - 1:
@@ -102,8 +105,9 @@ def _above(lines: list[tuple[str, int]], plain: int, rows: int) -> int:
         if _width(lines[plain][0], mark) == 1:
             raise NoHeader(rows + 1, widths[1], mark)
         return plain
-    if wide(rows - 2, _width(lines[rows - 1][0], mark)) and _are_units(_cells(lines[rows - 1][0], mark)):
-        return rows - 2 if _are_names(_cells(lines[rows - 2][0], mark)) else rows - 1
+    units = _cells(lines[rows - 1][0], mark)
+    if wide(rows - 2, _width(lines[rows - 1][0], mark)) and _are_units(units):
+        return rows - 2 if _are_names(_with_time(_cells(lines[rows - 2][0], mark), units)) else rows - 1
     return rows - 1
 
 
@@ -156,10 +160,21 @@ def _are_names(cells: list[str]) -> bool:
     return all(re.search(r"[^\W\d]", cell) for cell in plain[:-1])
 
 
+def _with_time(names: list[str], units: list[str]) -> list[str]:
+    """The names; a first one that is empty above a unit of time, as recorders of drives leave it, is the time's."""
+    if names[0].strip().strip('"').strip() or _plain_unit(units[0]).lower() not in _TIMES:
+        return names
+    return ["time", *names[1:]]
+
+
+def _plain_unit(cell: str) -> str:
+    return cell.strip().strip('"').strip(" []()")
+
+
 def _with_units(names: list[str], units: list[str]) -> list[str]:
     """The names, each followed by its unit in brackets."""
     told = []
     for name, unit in zip(names, units, strict=False):
-        plain, unit = name.strip().strip('"').strip(), unit.strip().strip('"').strip(" []()")
+        plain, unit = name.strip().strip('"').strip(), _plain_unit(unit)
         told.append(f"{plain} [{unit}]" if plain and unit else plain)
     return told

@@ -125,7 +125,7 @@ def run(
             say(f"{column}: {reason}")
         warn_of_foreign_units(guesses)
         joint = (guesses.joint.sentence,) if guesses.joint.number else ()
-        say_what_it_rests_on(*files, (*joint, *assumed_units(guesses), *drafts.assumed))
+        say_what_it_rests_on(*files, (*joint, *assumed_units(guesses), *drafts.assumed), drafts.known)
     for told in (*drafts.warnings, *drafts.questions):
         warn(told)
     say_next(files, drafts, guesses, [quote(str(trace)) for trace in traces] or ["TRACE.csv"], holed)
@@ -145,7 +145,7 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
     for warning in (warning for recording in recordings for warning in recording.warnings):
         warn(warning)
     shaft = Shaft(recordings[0].metadata.get(f"motor_position{AT}", "motor"), given.gear_ratio)
-    model = checked_model(recordings, given, shaft)
+    model = checked_model(recordings, given, shaft, str(traces[0]))
     _write(place, model.text, force)
     say_what_it_rests_on(map_file, place, model.assumed)
     for question in model.questions:

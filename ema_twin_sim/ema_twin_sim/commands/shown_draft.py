@@ -47,14 +47,17 @@ def warn_of_foreign_units(guesses: Guesses) -> None:
             )
 
 
-def say_what_it_rests_on(map_file: Path, place: Path, besides: Sequence[str]) -> None:
-    """Print what the recordings showed of the machine, what the model assumes, and more assumptions (``besides``)."""
+def say_what_it_rests_on(map_file: Path, place: Path, besides: Sequence[str], known: Sequence[str] = ()) -> None:
+    """Print what the recordings showed of the machine, what the model assumes, and more of both.
+
+    More assumptions are in ``besides``, and more that the recordings showed in ``known``.
+    """
     from ..model import load_model
     from ..new_machine.told import assumed, doubts_of, shown
 
     model = load_model(place)
     doubts = doubts_of(model, place.read_text(), map_file.read_text())
-    for text, numbers in (("Known", shown(model, doubts)), ("Assumed", assumed(model, doubts))):
+    for text, numbers in (("Known", [*shown(model, doubts), *known]), ("Assumed", assumed(model, doubts))):
         if numbers:
             say(f"{text}: {', '.join(numbers)}")
     for sentence in besides:

@@ -21,14 +21,17 @@ from ..criteria import (
     CHAOTIC,
     CORRELATION,
     COUNTED,
+    FAR_OUT,
     HARD,
     LEAST_ROWS,
     NEARLY_ALL,
     NEGLIGIBLE,
     SHAKEN,
+    SMALL,
     STANDSTILL,
     THROWN,
 )
+from ..listing import first_of
 from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
@@ -50,6 +53,10 @@ START = 0.03  # own s at each end that are not judged
 JITTER = 2e-4  # own s of possible offset between the two counters' samples, or of an impact
 LEAST_NOISE = 1e-6  # of the torque limit: simulated recordings may have no noise at all
 LARGEST = 100.0  # times the largest torque: limit of a drive whose own is not known
+HELD = (
+    "; a test of stiffness, held at each load, is read as operating points: `operating_points: true` in its map, or "
+    "init --operating-points"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -322,14 +329,16 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
         for o, rows in zip(found, judged, strict=True)
     )
     if sum(map(len, judged)) < LEAST_ROWS:
-        names = ", ".join(o.name for o in found)
+        names = first_of([o.name for o in found])
+        loaded = _loads_change(recordings)
         if unresolved := _unresolved(recordings, model):
-            raise InputError(f"{names}: {unresolved}")
+            held = "; or read loads that are held as operating points (init --operating-points)" if loaded else ""
+            raise InputError(f"{names}: {unresolved}{held}")
         standstill, unit = shown(model, STANDSTILL, "rad/s")
         raise InputError(
             f"{names}: {shown(model, moving, 's')[0]:.2g} s of motion faster than {standstill:.2g} {unit} at the "
             f"motor; a diagnosis needs more of it: {'record longer, or ' if moving > 0.0 else ''}move faster"
-            f"{_without_clock(recordings, model)}"
+            f"{HELD if loaded and _hardly_moves(found) else _without_clock(recordings, model)}"
         )
     return found
 
@@ -342,15 +351,29 @@ def _unresolved(recordings: Sequence[Recording], model: Model) -> str:
     if any(recording.has("speed") for recording in recordings):
         return ""
     known = [recording.signals["motor_position"] for recording in recordings if recording.has("motor_position")]
-    known = [position[np.isfinite(position)] for position in known]
+    known = [*map(_known, known)]
     if not known or not all(np.mean(np.abs(np.diff(position))) < _step(position) for position in known):
         return ""
     travel = quantity(*shown(model, max(float(np.ptp(position)) for position in known), "rad"))
     step = quantity(*shown(model, max(map(_step, known)), "rad"))
     return (
         f"the motor moves by {travel} in all, less than an encoder's step ({step}) a sample: it rests, or its friction "
-        "only gives way below break-away, and no direction is known; record it sliding, over a far longer way"
+        "only gives way, and no direction is known; record it sliding, over a far longer way"
     )
+
+
+def _loads_change(recordings: Sequence[Recording]) -> bool:
+    """Whether the drive's torque changes far beyond its noise: beside rest, a spring may be wound up step by step."""
+    currents = [_known(recording.signals["current"]) for recording in recordings if recording.has("current")]
+    return any(float(np.ptp(current)) > FAR_OUT * reading_noise(current) for current in currents)
+
+
+def _hardly_moves(found: Sequence[Observation]) -> bool:
+    return bool(np.mean(np.abs(np.concatenate([o.motion[:, SPEED] for o in found])) > STANDSTILL) < SMALL)
+
+
+def _known(values: np.ndarray) -> np.ndarray:
+    return values[np.isfinite(values)]
 
 
 def _without_clock(recordings: list[Recording], model: Model) -> str:
@@ -410,7 +433,7 @@ def _resolution(raw: np.ndarray, model: Model, read: float = 0.0) -> float:
 
 def _step(raw: np.ndarray) -> float:
     """The smallest difference between two readings."""
-    levels = np.unique(raw[np.isfinite(raw)])
+    levels = np.unique(_known(raw))
     return float(np.diff(levels).min()) if len(levels) > 1 else 0.0
 
 

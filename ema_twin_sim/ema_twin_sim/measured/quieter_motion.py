@@ -15,6 +15,7 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..criteria import SMALL
+from ..listing import first_of
 from ..model import Model
 from ..model.matching import matched
 from ..reading_noise import reading_noise
@@ -35,15 +36,14 @@ def as_measured(recordings: Sequence[Recording], model: Model) -> list[Recording
     This is decided once for all of them, since they come from the same sensors. The first recording without its speed
     carries the warning. Raises InputError if recordings and model do not belong together.
     """
-    found = [matched(recording, model) for recording in recordings]
+    found = _told_once(recordings, [matched(recording, model) for recording in recordings])
     coarse = {k: both for k, one in enumerate(found) if (both := _noise_and_acceleration(one, model)) is not None}
     noise, acceleration = (
         (float(sum(column)) for column in zip(*coarse.values(), strict=True)) if coarse else (0.0, 0.0)
     )
     if not noise > SMALL**2 * acceleration:
         return found
-    first, others = found[min(coarse)].name, len(coarse) - 1
-    named = f"{first} and {others} more" if others else first
+    named = first_of([found[k].name for k in coarse])
     warning = f"{named}: the speed is too noisy for the acceleration; the motion is taken from the position instead"
     return [
         replace(
@@ -54,6 +54,24 @@ def as_measured(recordings: Sequence[Recording], model: Model) -> list[Recording
         if k in coarse
         else one
         for k, one in enumerate(found)
+    ]
+
+
+def _told_once(recordings: Sequence[Recording], found: Sequence[Recording]) -> list[Recording]:
+    """The ``found`` recordings, without warnings that the given ``recordings`` lack and that an earlier one has.
+
+    The first one with such a warning carries it for all.
+    """
+    alike: dict[str, list[int]] = {}
+    for k, (given, one) in enumerate(zip(recordings, found, strict=True)):
+        for warning in one.warnings[len(given.warnings) :]:
+            alike.setdefault(warning.removeprefix(f"{one.name}: "), []).append(k)
+    told = [list(given.warnings) for given in recordings]
+    for text, those in alike.items():
+        told[those[0]].append(f"{first_of([found[k].name for k in those])}: {text}")
+    return [
+        one if one.warnings == tuple(warnings) else replace(one, warnings=tuple(warnings))
+        for one, warnings in zip(found, told, strict=True)
     ]
 
 

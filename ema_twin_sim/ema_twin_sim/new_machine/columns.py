@@ -30,6 +30,7 @@ _STEMS: dict[str, str] = {
     "speed": r"speed|veloc|drehzahl|geschwind|omega|^vel$|^rpm$|^spd$|^vitesse|^vit$|^regime$|^giri$",
     "position": r"posi|^pos|pos$|angle|winkel|^lage(?!r)|lage$|lageist|lagesoll|encoder|geber|^enc$|^weg$|travel|twist"
     r"|verdreh|^angol|^angul|^codeur|^recorrido$",
+    "power": r"power|leistung|^watts?$|^puissance$|^potenza$|^potencia$",
 }
 """Parts of words that determine a quantity, in the order in which they are looked for."""
 
@@ -69,6 +70,8 @@ _TIME_WORDS = (
     r"^(t|time|zeit|timestamp|zeitstempel|elapsed|mess|messzeit|laufzeit|uhrzeit|stamp|rel|abs|relative|since|start|unix"
     r"|temps|tempo|tiempo)$"
 )
+_POWER_UNIT = r"[umk\u00b5]?W|k?VA|VAr"
+"""Units of power, which no signal has."""
 _DIRECT_OR_PHASE = frozenset({"d", "u", "v", "w", "a", "b", "c", "alpha", "beta"})
 """Subscripts of currents and voltages that are not of the quadrature axis."""
 
@@ -285,7 +288,9 @@ def _column(read: HeaderWords) -> _Column | None:
     quantity = read.quantity or by_words
     if read.foreign and read.quantity is None and by_words is None:
         return None
-    if quantity is None or quantity == "time":
+    if read.quantity is None and (re.fullmatch(_POWER_UNIT, read.foreign) or read.words[-2:] == ("k", "w")):
+        return None  # a letter beside it, as of an axis X or S, is no symbol of a position
+    if quantity in (None, "time", "power"):
         return None
     words = read.words
     axis = next((word for word in words[1:] if word in _DIRECT_OR_PHASE), None) if len(words) == 2 else None

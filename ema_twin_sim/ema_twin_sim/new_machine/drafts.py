@@ -26,13 +26,16 @@ from .columns import Guess, Guesses
 from .given import Given
 from .map_draft import draft_map
 from .model_draft import ModelDraft, draft_model, farthest
-from .shaft import Shaft, position_shaft, too_slow_for_a_motor
+from .shaft import Shaft, is_possible, position_shaft, ratio_of_positions, too_slow_for_a_motor
 from .unit_questions import questions_about_units
+
+_OUTPUTS = ("output_position", "output_command")
 
 
 class Drafts(NamedTuple):
     """Texts of a map and a model; questions about the recording's units; what was assumed from usual sizes; the columns
-    of guesses that the map leaves out, and why; and what is wrong with the recordings, as they are read with this map.
+    of guesses that the map leaves out, and why; what is wrong with the recordings, as they are read with this map; and
+    what they show besides the numbers of the model.
     """
 
     map: str
@@ -41,6 +44,7 @@ class Drafts(NamedTuple):
     assumed: tuple[str, ...] = ()
     left_out: Mapping[str, str] = MappingProxyType({})
     warnings: tuple[str, ...] = ()
+    known: tuple[str, ...] = ()
 
 
 def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Drafts:
@@ -52,30 +56,37 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     shaft = Shaft(given.shaft or "motor")
     drafted = draft_map(guesses, of, shaft)
     recordings = _read(drafted, traces)
+    source = str(traces[0]) if traces else given.name
     if not traces:  # without a recording, nothing is known of the sensors
         empty = {guess.signal: np.zeros(2) for guess in guesses.signals}
         metadata = {MOTION: guesses.motion} if guesses.motion != "rotary" else {}
         recording = Recording(given.name, np.arange(2) * 1_000_000, empty, metadata=metadata)
-        return Drafts(drafted, checked_model((recording,), given, shaft).text)
+        return Drafts(drafted, checked_model((recording,), given, shaft, source).text)
     for recording in recordings:
         _refuse_slow_samples(recording, guesses)
     reason = _no_load(recordings, guesses.motion)
     not_load = f"not used as the load: {reason}" if reason else ""
-    still = _standing(recordings)
-    left_out = {
-        guess.column: why
-        for guess in guesses.signals
-        if (why := {"load_torque": not_load, "motor_position": still}.get(guess.signal, ""))
+    of_signal = {
+        "load_torque": not_load,
+        "motor_position": _standing(recordings),
+        "output_position": _of_no_gear(recordings, guesses),
     }
+    left_out = {guess.column: why for guess in guesses.signals if (why := of_signal.get(guess.signal, ""))}
     if left_out:
         guesses = guesses.without(tuple(left_out))
         recordings = _read(draft_map(guesses, of, shaft), traces)
     assumed = []
     if falls_with_load(recordings):
-        guesses = replace(guesses, signals=tuple(map(_turned_round, guesses.signals)))
+        guesses = replace(guesses, signals=tuple(_turned_round(guess, ("load_torque",)) for guess in guesses.signals))
         recordings = _read(draft_map(guesses, of, shaft), traces)
         columns = ", ".join(g.column for g in guesses.signals if g.turned_round)
         assumed.append(f"{columns}: sign reversed, because the drive's torque falls when it rises")
+    shown = []
+    if _turns_back(recordings):
+        guesses = replace(guesses, signals=tuple(_turned_round(guess, _OUTPUTS) for guess in guesses.signals))
+        recordings = _read(draft_map(guesses, of, shaft), traces)
+        columns = ", ".join(g.column for g in guesses.signals if g.turned_round and g.signal in _OUTPUTS)
+        shown.append(f"{columns} turned round (`factor: -1` in the map), since the output turns against the motor")
     units = {guess.signal: guess.unit for guess in guesses.signals}
     questions = tuple(question for recording in recordings for question in questions_about_units(recording, units))
     known = None not in (units.get("motor_position"), units.get("speed"))
@@ -96,10 +107,18 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
             f"{columns}: read as values of the output shaft, {slow} (if one is the motor's, say so in its name, as in "
             "'motor position [rad]', and run init again)"
         )
-    model = checked_model(recordings, given, shaft)
+    model = checked_model(recordings, given, shaft, source)
     asked = (*questions, *model.questions)
     warnings = tuple(warning for recording in recordings for warning in recording.warnings)
-    return Drafts(draft_map(guesses, of, shaft), model.text, asked, (*assumed, *model.assumed), left_out, warnings)
+    return Drafts(
+        draft_map(guesses, of, shaft),
+        model.text,
+        asked,
+        (*assumed, *model.assumed),
+        left_out,
+        warnings,
+        tuple(shown),
+    )
 
 
 def _no_load(recordings: Sequence[Recording], motion: str) -> str:
@@ -122,9 +141,25 @@ def _standing(recordings: Sequence[Recording]) -> str:
     return f"not used: it stands still, while by the speed the motor moves by {quantity(max(moved), unit)}"
 
 
-def _turned_round(guess: Guess) -> Guess:
-    """The load's column, to be read with its sign reversed; other columns unchanged."""
-    return replace(guess, turned_round=True) if guess.signal == "load_torque" else guess
+def _of_no_gear(recordings: Sequence[Recording], guesses: Guesses) -> str:
+    """Why a position is not the output's: the motor would turn by a ratio that no model may have; else empty."""
+    ratio = ratio_of_positions(farthest(recordings))
+    if ratio is None or is_possible(ratio):
+        return ""
+    motor = next(guess.column for guess in guesses.signals if guess.signal == "motor_position")
+    times = 1.0 / abs(ratio)
+    return f"not used as the output's position: it changes {times:.3g} times as much as {motor}, as with no gear"
+
+
+def _turns_back(recordings: Sequence[Recording]) -> bool:
+    """Whether the output turns against the motor in each recording that shows their ratio; False if none shows it."""
+    shown = [ratio for ratio in map(ratio_of_positions, recordings) if ratio is not None]
+    return bool(shown) and max(shown) < 0.0
+
+
+def _turned_round(guess: Guess, signals: Sequence[str]) -> Guess:
+    """The column of one of these ``signals``, to be read with its sign reversed; other columns unchanged."""
+    return replace(guess, turned_round=True) if guess.signal in signals else guess
 
 
 def _of_the_output(guess: Guess, why: str) -> Guess:
@@ -139,17 +174,28 @@ def _read(map_text: str, traces: Sequence[Path]) -> list[Recording]:
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / "map.yaml"
         place.write_text(map_text)
-        load_map(place)
-        return [load(trace, import_map=place) for trace in traces]
+        try:
+            load_map(place)
+            return [load(trace, import_map=place) for trace in traces]
+        except InputError as error:  # without the path of a file that the user never sees
+            of = f"{traces[0]}: the map drafted from it" if traces else "the drafted map"
+            raise InputError(str(error).replace(str(place), of)) from None
 
 
-def checked_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> ModelDraft:
-    """YAML of a first model that can be read. The motor's position is as in its column, which is of that ``shaft``."""
+def checked_model(recordings: Sequence[Recording], given: Given, shaft: Shaft, source: str = "") -> ModelDraft:
+    """YAML of a first model that can be read. The motor's position is as in its column, which is of that ``shaft``.
+
+    Raises InputError, which names the ``source`` of the recordings, or the first one, if they give no model.
+    """
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / "model.yaml"
         draft = draft_model(recordings, given, shaft)
         place.write_text(draft.text)
-        load_model(place)
+        try:
+            load_model(place)
+        except InputError as error:  # of a file that the user never sees
+            said = str(error).replace(str(place), f"{source or recordings[0].name}: the model drafted from it")
+            raise InputError(f"{said}; rename the columns it comes from, or remove them, and run init again") from None
     return draft
 
 

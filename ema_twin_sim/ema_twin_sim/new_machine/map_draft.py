@@ -57,18 +57,22 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
         """The comment on what to check: the unit of the numbers, and the shaft that they belong to."""
         return check_comment("; ".join(filter(None, (at, shaft.doubt if of_position else guess.shaft_doubt))))
 
+    turned = ", factor: -1" if guess.turned_round else ""
+    of_load = guess.signal == "load_torque"
+    why = "the drive's torque falls when it rises" if of_load else "the output turns against the motor"
+    sign = f"sign reversed: {why}" if guess.turned_round else ""
+    shown = f"  # {sign}" if sign and not of_load else ""  # without a mark: the positions show it
     if guess.unit == COUNTS:
         doubt = look(guess.doubt if guess.counts else "give the counts per turn, all edges counted")
         return (
             f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], counts_per_revolution: "
-            f"{guess.counts or ASSUMED_COUNTS:g}{of_output}}}{doubt}"
+            f"{guess.counts or ASSUMED_COUNTS:g}{turned}{of_output}}}{doubt or shown}"
         )
     unit = guess.unit or signal_unit(guess.signal, motion)
-    sign = "sign reversed: the drive's torque falls when it rises" if guess.turned_round else ""
-    doubt = look("; ".join(filter(None, (guess.doubt if guess.unit else "no unit in the header", sign))))
+    unsure = guess.doubt if guess.unit else "no unit in the header"
+    doubt = look("; ".join(filter(None, (unsure, sign if of_load else "")))) or shown
     if of_position and not doubt and not of_output and motion != "linear":
         doubt = "  # at the motor's shaft; add `shaft: output` if it is the output's"
-    turned = ", factor: -1" if guess.turned_round else ""
     return f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], unit: {unit}{turned}{of_output}}}{doubt}"
 
 

@@ -28,6 +28,7 @@ from .shaft import (
     SAME_RATIO,
     Shaft,
     fastest_motion,
+    is_possible,
     positions_part,
     ratio_of_positions,
     whole_ratio,
@@ -162,6 +163,8 @@ def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | 
     if shaft.ratio is not None:
         return _Ratio(shaft.ratio, "speed over position", "of the motor's speed to its position")
     shown = ratio_of_positions(recording)
+    if shown is not None and not is_possible(shown):
+        return _Ratio(1.0, ASSUMED, f"both positions give {abs(shown):.4g}, which no gear has: are their units right?")
     if shown is not None:
         doubt = ""
         if shown < 0.0:

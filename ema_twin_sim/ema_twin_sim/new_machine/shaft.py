@@ -16,6 +16,7 @@ from ..criteria import ALL_BUT_SPIKES, CLEARLY_MORE, FAR_OUT, NEARLY_ALL, OUTLIE
 from ..measured.consistency import is_usual_mistake
 from ..measured.smoothing import gaussian, smooth
 from ..measured.way_by_speed import way_by_speed
+from ..model.constants import CONSTANTS
 from ..reading_noise import reading_noise
 
 OWN = 0.1  # relative deviation up to which a position moves as the motor's speed says
@@ -71,7 +72,8 @@ def position_shaft(recording: Recording, gear_ratio: float | None, *, units_know
     ratio = 1.0 / abs(times)
     if gear_ratio is not None and abs(ratio / gear_ratio - 1.0) > SAME_RATIO:
         return Shaft(doubt=f"{told}; expected 1 or 1 / gear ratio. Are the units right?")
-    if gear_ratio is None and not alike and (ratio < 1.0 or is_usual_mistake(times)):
+    strange = ratio < 1.0 or not is_possible(ratio) or is_usual_mistake(times)
+    if gear_ratio is None and not alike and strange:
         return Shaft(doubt=f"{told}. Are the units of both right?")
     return Shaft("output", gear_ratio or ratio, f"{told}: assumed to be the output's angle")
 
@@ -101,6 +103,12 @@ def fastest_motion(recording: Recording) -> float:
         return 0.0
     speed = np.abs(speed[np.isfinite(speed)])
     return float(np.quantile(speed, ALL_BUT_SPIKES)) if len(speed) else 0.0
+
+
+def is_possible(ratio: float) -> bool:
+    """Whether a gear ratio, of either sign, is one that a model may have."""
+    bounds = CONSTANTS["machine.gear_ratio"]
+    return bounds.lower <= abs(ratio) <= bounds.upper
 
 
 def ratio_of_positions(recording: Recording) -> float | None:

@@ -1,0 +1,89 @@
+"""Columns that are no signal of the machine though they look like one: powers, and positions of another axis."""
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.errors import InputError
+from ema_twin_sim.commands.init import run as init
+from ema_twin_sim.model import load_model
+from ema_twin_sim.new_machine import drafts
+from ema_twin_sim.new_machine.columns import guess_columns
+from ema_twin_sim.new_machine.given import Given
+from ema_twin_sim.new_machine.model_draft import ModelDraft
+from ema_twin_sim.new_machine.shaft import Shaft
+
+TIME = np.arange(1500) * 2e-3
+ANGLE = 30.0 * (1.0 - np.cos(2.0 * TIME))
+CURRENT = 0.5 * np.sign(np.sin(2.0 * TIME)) + 0.2 * np.cos(2.0 * TIME)
+
+
+def written(place, **columns):
+    """A trace with a time, a current, a motor's angle and these columns, (n,) each, by name."""
+    given = {"time [s]": TIME, "current [A]": CURRENT, "motor position [rad]": ANGLE, **columns}
+    rows = "\n".join(",".join(f"{value:.12g}" for value in row) for row in zip(*given.values(), strict=True))
+    place.write_text(",".join(given) + "\n" + rows + "\n")
+    return place
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("S_OutputPower", "X_OutputPower", "x power", "s Leistung", "output position [W]", "s [kW]", "x_kW"),
+        *("s in kW", "q puissance"),
+    ],
+)
+def test_a_power_is_no_position(name):
+    """The letter of an axis, as X or S, is a symbol of a position elsewhere."""
+    numbers = {"time [s]": TIME, "motor position [rad]": ANGLE, name: 1e-7 * ANGLE}
+    assert name in guess_columns(list(numbers), numbers=numbers).left
+
+
+@pytest.mark.parametrize(
+    ("name", "signal"),
+    [("power current", "current"), ("w", "speed"), ("motor_w", "speed"), ("power stage temperature", "temperature")],
+)
+def test_what_is_named_with_a_power_may_be_a_signal(name, signal):
+    signals = {guess.column: guess.signal for guess in guess_columns(["time [s]", name]).signals}
+    assert signals == {name: signal}
+
+
+@pytest.mark.parametrize("times", [1e-7, -1e-7])
+def test_a_position_that_no_gear_makes_is_left_out_and_said(tmp_path, capsys, times):
+    """A gear ratio beyond those of a model ended init."""
+    trace = written(tmp_path / "t.csv", **{"output position [rad]": times * ANGLE})
+    init(str(tmp_path / "q"), [trace])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "output position [rad]: not used as the output's position: it changes 1e-07 times as much as motor" in told
+    assert load_model(tmp_path / "q.yaml").value("machine.gear_ratio") == 1.0
+    assert "output_position" not in (tmp_path / "q_map.yaml").read_text()
+
+
+def test_with_a_map_such_a_ratio_is_not_taken(tmp_path):
+    trace = written(tmp_path / "t.csv", **{"output position [rad]": 1e-7 * ANGLE})
+    (tmp_path / "m.yaml").write_text(
+        "version: 1\ntime: {column: 'time \\[s\\]', unit: s}\nsignals:\n"
+        "  current: {columns: ['current \\[A\\]'], unit: A}\n"
+        "  output_position: {columns: ['output position \\[rad\\]'], unit: rad}\n"
+        "  motor_position: {columns: ['motor position \\[rad\\]'], unit: rad}\n"
+    )
+    init(str(tmp_path / "q"), [trace], import_map=str(tmp_path / "m.yaml"))
+    line = next(line for line in (tmp_path / "q.yaml").read_text().splitlines() if "gear_ratio" in line)
+    assert "value: 1," in line
+    assert "CHECK: both positions give 1e+07" in line
+
+
+def test_a_speed_far_beyond_its_position_is_no_gear(tmp_path):
+    trace = written(tmp_path / "t.csv", **{"speed [rad/s]": 1.3e6 * np.gradient(ANGLE, TIME)})
+    init(str(tmp_path / "q"), [trace])
+    assert load_model(tmp_path / "q.yaml").value("machine.gear_ratio") == 1.0
+    assert "Are the units of both right?" in (tmp_path / "q_map.yaml").read_text()
+
+
+def test_a_model_that_cannot_be_read_is_refused_with_the_users_file(tmp_path, monkeypatch):
+    """The message had the path of a file that was already deleted."""
+    trace = written(tmp_path / "t.csv")
+    monkeypatch.setattr(drafts, "draft_model", lambda *_: ModelDraft("version: 1\nmachine: {gear_ratio: 4e6}\n"))
+    with pytest.raises(InputError) as refusal:
+        drafts.checked_model((), Given("q", None, None), Shaft(), str(trace))
+    assert str(refusal.value).startswith(f"{trace}: the model drafted from it: ")
+    assert "model.yaml" not in str(refusal.value)

@@ -1,0 +1,56 @@
+"""Shafts that turn against each other, as those of one spur gear stage: init reads the output's sign reversed."""
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.load import load
+from ema_twin_sim.commands.init import run as init
+from ema_twin_sim.measured.consistency import inconsistencies
+from ema_twin_sim.model import load_model
+
+TIME = np.arange(2000) * 2e-3
+ANGLE = 30.0 * (1.0 - np.cos(2.0 * TIME))
+SPEED = 60.0 * np.sin(2.0 * TIME)
+CURRENT = 0.5 * np.sign(SPEED) + 0.2 * np.cos(2.0 * TIME)
+TURN = 2.0 * np.pi
+
+
+def written(place, output, column, command=()):
+    """A trace of a motor whose output goes along ``output`` (n,) in ``column``, and perhaps follows a ``command``."""
+    columns = {"time [s]": TIME, "current [A]": CURRENT, "motor position [rad]": ANGLE, column: output}
+    columns |= {"output position setpoint [rad]": command} if len(command) else {}
+    rows = "\n".join(",".join(f"{value:.9g}" for value in row) for row in zip(*columns.values(), strict=True))
+    place.write_text(",".join(columns) + "\n" + rows + "\n")
+    return place
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize(("column", "size"), [("output position [rad]", 1.0), ("output position [deg]", 360.0 / TURN)])
+@pytest.mark.parametrize("gear_ratio", [None, 4.0])
+def test_an_output_that_turns_against_the_motor_is_turned_round(tmp_path, capsys, way, column, size, gear_ratio):
+    """It was only said, beside 'nothing had to be guessed', and discover refused what init had written."""
+    trace = written(tmp_path / "t.csv", way * size * ANGLE / 4.0, column)
+    init(str(tmp_path / "q"), [trace], gear_ratio=gear_ratio)
+    told = " ".join(capsys.readouterr().out.split())
+    drawn = (tmp_path / "q_map.yaml").read_text()
+    assert ("factor: -1}  # sign reversed: the output turns against the motor" in drawn) == (way < 0.0)
+    assert (f"{column} turned round" in told) == (way < 0.0)
+    recording, model = load(trace, import_map=tmp_path / "q_map.yaml"), load_model(tmp_path / "q.yaml")
+    assert model.value("machine.gear_ratio") == pytest.approx(4.0, rel=1e-3)
+    assert recording.signals["output_position"][-1] == pytest.approx(ANGLE[-1] / 4.0, rel=1e-6)
+    assert not [*inconsistencies(recording, model)]
+    assert "opposite directions" not in (tmp_path / "q.yaml").read_text() + told
+
+
+def test_a_counter_is_turned_round_too(tmp_path):
+    trace = written(tmp_path / "t.csv", -np.rint(ANGLE / 4.0 / TURN * 4096.0), "output position [counts]")
+    init(str(tmp_path / "q"), [trace], gear_ratio=4.0)
+    assert "counts_per_revolution: 4096, factor: -1}" in (tmp_path / "q_map.yaml").read_text()
+    known = load(trace, import_map=tmp_path / "q_map.yaml").signals["output_position"]
+    assert known[-1] == pytest.approx(ANGLE[-1] / 4.0, abs=TURN / 4096.0)
+
+
+def test_its_command_goes_with_it(tmp_path):
+    trace = written(tmp_path / "t.csv", -ANGLE / 4.0, "output position [rad]", -ANGLE / 4.0)
+    init(str(tmp_path / "q"), [trace])
+    assert (tmp_path / "q_map.yaml").read_text().count("factor: -1") == 2
