@@ -23,6 +23,7 @@ def gone(monkeypatch, lost, unsure_without):
             {None: ["first"], "all": []}[f.without] if f.without in (None, "all") else unsure_without[f.without]
         )
 
+    monkeypatch.setattr(removing, "is_play", lambda f, name: False)
     monkeypatch.setattr(removing, "uncertain", uncertain)
     monkeypatch.setattr(removing, "insignificant", lambda problem, f: next(uncertain(problem, f), None))
     monkeypatch.setattr(removing, "less_each", lambda f, names: [less_one[name] for name in names])

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from ema_bench_replay.long_columns import pieces
 from ema_bench_replay.recording import Recording
 
 from ..criteria import FAR_OUT, NEGLIGIBLE, PART, SMALL
@@ -28,15 +29,32 @@ def standing_position(recording: Recording) -> float | None:
 
     A speed that only its noise moves implies none. A position in a wrong unit follows the speed, however little.
     """
-    if not recording.has("speed", "motor_position") or recording.of_points or way_by_speed(recording) is not None:
+    if not recording.has("speed", "motor_position") or recording.of_points:
         return None
+    way = _travel(recording.signals["speed"], summed=True) * recording.sample_period  # nobody knows what a pause hides
+    if not _travel(recording.signals["motor_position"]) <= NEGLIGIBLE * way:
+        return None  # as of nearly all recordings; what follows takes memory as long ones have
     position, speed = (recording.signals[name] for name in ("motor_position", "speed"))
-    position, speed = position[np.isfinite(position)], speed[np.isfinite(speed)]
-    if min(len(position), len(speed)) < FEWEST:
+    speed = speed[np.isfinite(speed)]
+    if min(np.isfinite(position).sum(), len(speed)) < FEWEST or way_by_speed(recording) is not None:
         return None
-    way = float(np.ptp(np.cumsum(speed))) * recording.sample_period  # of the samples: nobody knows what a pause hides
     walked = reading_noise(speed) * recording.sample_period * math.sqrt(len(speed))  # by white noise alone
-    return way if way > FAR_OUT * walked and float(np.ptp(position)) <= NEGLIGIBLE * way else None
+    return way if way > FAR_OUT * walked else None
+
+
+def _travel(values: np.ndarray, *, summed: bool = False) -> float:
+    """From end to end of the known values (n,), or of their sum as they come; a long recording piece by piece."""
+    least, most, total = math.inf, -math.inf, 0.0
+    for rows in pieces(len(values)):
+        part = values[rows]
+        part = part[np.isfinite(part)]
+        if not len(part):
+            continue
+        if summed:
+            part = total + np.cumsum(part)
+            total = float(part[-1])
+        least, most = min(least, float(part.min())), max(most, float(part.max()))
+    return max(most - least, 0.0)
 
 
 def lag_of(recording: Recording) -> int:
