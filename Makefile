@@ -26,7 +26,7 @@ test: setup ## style and type checks, then every test but those that take long
 	@$(CHECKS)
 	@$(TESTS) -m "not slow"
 
-test-all: setup ## the same, and the tests that take long; fifteen cases of make accuracy among them
+test-all: setup ## the same, and the tests that take long; nineteen cases of make accuracy among them
 	@$(CHECKS)
 	@$(TESTS)
 

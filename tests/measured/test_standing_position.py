@@ -48,6 +48,18 @@ def test_what_follows_or_rests_is_none(position, speed):
     assert standing_position(run(position, speed)) is None
 
 
+COARSE = np.round(FOLLOWING / 100.0 * 1024 / (2.0 * math.pi)) * 2.0 * math.pi / 1024
+STEPS = 0.1 * (np.arange(len(TIME)) % 400 == 0)
+
+
+@pytest.mark.parametrize(
+    ("position", "speed", "noise"), [(COARSE, SPEED, 0.05), (STANDING, STEPS, 0.0), (STANDING, 0.01 + 0.0 * TIME, 1e-4)]
+)
+def test_a_coarse_output_or_a_speed_at_rest_is_none(position, speed, noise):
+    """Behind a gear of 100:1 by 1024 counts; a speed that shows its last digit now and then, or an offset."""
+    assert standing_position(run(position, speed, noise)) is None
+
+
 def test_a_counter_that_trembles_by_a_count_stands_still():
     trembling = STANDING + 1e-3 * (np.arange(len(TIME)) % 7 == 0)
     assert standing_position(run(trembling)) == pytest.approx(80.0 / 3.0, rel=0.01)

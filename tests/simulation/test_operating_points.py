@@ -18,7 +18,7 @@ from ema_twin_sim.discovery.plan import plan
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.measured.folds import operating_point_folds
 from ema_twin_sim.model import load_model
-from ema_twin_sim.simulation.operating_points import approached
+from ema_twin_sim.simulation.operating_points import approached, directed
 from ema_twin_sim.simulation.simulate import simulate
 from tests.command_line import refused, twin
 
@@ -239,3 +239,12 @@ def test_points_are_not_played(tmp_path):
         "  speed: {columns: ['speed .*']}\n  current: {columns: ['current .*']}\n"
     )
     refused("live", "curve.csv", "--map", "m.yaml", "--model", "laas_motor", cwd=tmp_path, naming=("operating points",))
+
+
+def test_a_speed_beyond_its_noise_keeps_its_direction_however_slow_it_is():
+    """From 0.1 mrad/s to 1 rad/s, with positions that tell nothing of the direction."""
+    rng = np.random.default_rng(3)
+    speed = np.geomspace(1e-4, 1.0, 80) * rng.choice([-1.0, 1.0], 80)
+    signals = {"current": np.sign(speed), "speed": speed, "motor_position": rng.uniform(0.0, 6.0, 80)}
+    table = Recording("table", np.arange(80) * 1_000_000, signals, metadata={"operating_points": "true"})
+    assert np.array_equal(np.sign(directed(table, 1e-6).signals["speed"]), np.sign(speed))

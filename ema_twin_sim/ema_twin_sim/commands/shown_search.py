@@ -75,7 +75,7 @@ def show_search(found: Discovery, without: Sequence[str] = ()) -> None:
     if slightly:
         say(f"\n{'Also refitted' if moved.row_count else 'Refitted'}, within standard errors: {', '.join(slightly)}.")
     if unknown:
-        say(f"\nThese recordings do not show: {', '.join(unknown)}.")
+        say(f"\nNot known from these recordings (the error is larger than the value): {', '.join(unknown)}.")
 
 
 def show_doubts(groups: Sequence[Sequence[str]], next_recording: str) -> None:

@@ -190,7 +190,7 @@ def discover(
         unseen = judge_unseen(rotary, began, noise, found)
         idle = _idle(found, unseen) if known and back else ()
     if known and model.is_open and _leaves_torque(unseen, rms_torque(rotary, began)):
-        known, (found, depends_on) = False, beside_the_unknown(found, progress)
+        known, depends_on = False, ()  # what is left is too fast for the rows to tell on what it depends
     stands = unseen.betters
     if not known and found.fit.hypothesis.added and not stands and not model.is_open:
         progress("judging with the constants of the model file")
@@ -355,9 +355,14 @@ def _leaves_torque(unseen: Unseen, torque: float) -> bool:
 def _before_both(found: Search, k: int) -> int:
     """First round at which neither the effects of round ``k`` nor the effects they replaced were present.
 
-    A rival need not be better than the effect it replaces, in this round or a later one.
+    A rival need not be better than the effect it replaces, in this round, or in a later one that only removed: then the
+    place was given up for what is there.
     """
-    swaps = (turn for turn in found.taken[k:] if turn.reason in {BEATEN, SURER})
+    swaps = [
+        turn
+        for turn in found.taken[k:]
+        if turn.reason in {BEATEN, SURER} and (turn is found.taken[k] or not new_names(turn.before, turn.after))
+    ]
     gone = {name for turn in swaps for name in new_names(turn.after, turn.before)}
     return next((j for j, earlier in enumerate(found.taken[:k]) if not gone.isdisjoint(earlier.added)), k)
 

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from ..effects import Effect, catalogue
+from ..effects import Effect, Trait, catalogue
 from ..model.roles import SENSOR_WAVE
 from ..plant.layout import ANGLE_ERRORS
 from .hypothesis import Hypothesis
@@ -38,7 +38,7 @@ def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Can
             continue
         if effect.electrical and h.base.pole_pairs is None:
             continue
-        if effect.depends_on == "acceleration" and h.inertia_is_open:
+        if effect.depends_on == "acceleration" and Trait.LIKE_A_CONSTANT in effect.traits and h.inertia_is_open:
             continue  # the same number twice
         added = [dict(instance.options) for instance in h.added.values() if instance.effect == id]
         for choice in itertools.product(*effect.options.values()):

@@ -65,7 +65,9 @@ def _told_once(recordings: Sequence[Recording], found: Sequence[Recording]) -> l
     alike: dict[str, list[int]] = {}
     for k, (given, one) in enumerate(zip(recordings, found, strict=True)):
         for warning in one.warnings[len(given.warnings) :]:
-            alike.setdefault(warning.removeprefix(f"{one.name}: "), []).append(k)
+            those = alike.setdefault(warning.removeprefix(f"{one.name}: "), [])
+            if k not in those:
+                those.append(k)
     told = [list(given.warnings) for given in recordings]
     for text, those in alike.items():
         told[those[0]].append(f"{first_of([found[k].name for k in those])}: {text}")

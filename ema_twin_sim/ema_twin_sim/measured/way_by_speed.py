@@ -9,7 +9,7 @@ import numpy as np
 from ema_bench_replay.long_columns import pieces
 from ema_bench_replay.recording import Recording
 
-from ..criteria import FAR_OUT, NEGLIGIBLE, PART, SMALL
+from ..criteria import LIKELY, MOSTLY, NEGLIGIBLE, PART, SMALL
 from ..reading_noise import reading_noise
 
 WINDOW = 0.1  # own s over which displacements are compared
@@ -27,7 +27,8 @@ def way_by_speed(recording: Recording) -> float | None:
 def standing_position(recording: Recording) -> float | None:
     """The way [rad] that the speed implies if the motor position stands still meanwhile; None if it does not.
 
-    A speed that only its noise moves implies none. A position in a wrong unit follows the speed, however little.
+    A speed that is steady but for its readings implies none: it may have an offset. A position in a wrong unit, or that
+    of the output, follows the speed, however little.
     """
     if not recording.has("speed", "motor_position") or recording.of_points:
         return None
@@ -38,8 +39,13 @@ def standing_position(recording: Recording) -> float | None:
     speed = speed[np.isfinite(speed)]
     if min(np.isfinite(position).sum(), len(speed)) < FEWEST or way_by_speed(recording) is not None:
         return None
-    walked = reading_noise(speed) * recording.sample_period * math.sqrt(len(speed))  # by white noise alone
-    return way if way > FAR_OUT * walked else None
+    levels = np.diff(np.unique(speed))
+    reading = max(reading_noise(speed), float(levels.min(initial=math.inf)) / math.sqrt(12.0) if len(levels) else 0.0)
+    if float(np.std(speed)) <= LIKELY * reading:
+        return None
+    known = np.isfinite(position)
+    both = np.corrcoef(position[known], travelled_by_speed(recording)[known]) if np.ptp(position[known]) > 0.0 else None
+    return way if both is None or abs(both[0, 1]) < MOSTLY else None
 
 
 def _travel(values: np.ndarray, *, summed: bool = False) -> float:

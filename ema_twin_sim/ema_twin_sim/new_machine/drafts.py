@@ -147,8 +147,7 @@ def _of_no_gear(recordings: Sequence[Recording], guesses: Guesses) -> str:
     if ratio is None or is_possible(ratio):
         return ""
     motor = next(guess.column for guess in guesses.signals if guess.signal == "motor_position")
-    times = 1.0 / abs(ratio)
-    return f"not used as the output's position: it changes {times:.3g} times as much as {motor}, as with no gear"
+    return f"not used as the output's position: beside {motor} the gear ratio would be {abs(ratio):.3g}, as of no gear"
 
 
 def _turns_back(recordings: Sequence[Recording]) -> bool:

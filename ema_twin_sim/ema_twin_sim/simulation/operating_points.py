@@ -77,7 +77,9 @@ def directed(recording: Recording, noise: float = 0.0) -> Recording:
     fastest = float(np.max(sizes[np.isfinite(sizes)], initial=0.0))
     known = sizes > SURE * noise
     moving = bool(known.any())
-    resting = ~known & np.isfinite(sizes) | (sizes < STILL * fastest)
+    resting = ~known & np.isfinite(sizes)
+    if noise == 0.0:  # nothing says what a reading is worth
+        resting |= sizes < STILL * fastest
     if resting.any():
         way = approached(recording.signals.get("motor_position", nothing))
         slow = HOLDING * (fastest if moving else 1.0)

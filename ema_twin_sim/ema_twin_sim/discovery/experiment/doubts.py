@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...criteria import CORRELATION, FAR_OUT, LEAST_SIZE, LIKELY, NEGLIGIBLE, SIGNIFICANT, STANDSTILL
+from ...criteria import FAR_OUT, LEAST_SIZE, LIKELY, NEGLIGIBLE, SIGNIFICANT, STANDSTILL
 from ...effects import Trait, catalogue, effects_with
 from ...identification.candidates import Candidate, candidates
 from ...identification.equation import EquationErrorProblem
@@ -188,7 +188,7 @@ def _too_small(found: Search) -> Doubt | None:
     best = found.fit
     if found.stopped is None or best.hypothesis.generic_bases or best.parted:
         return None
-    needed = 0.5 * LEAST_SIZE * math.sqrt(max(1.0, best.variance_inflation / CORRELATION))
+    needed = 0.5 * LEAST_SIZE * math.sqrt(max(1.0, best.variance_inflation / best.problem.correlation))
     for trial in found.stopped.tried:
         new = [n for n in trial.fit.hypothesis.added if n not in best.hypothesis.added]
         if trial.gain > 0.0 and trial.unique > needed and len(new) == 1:

@@ -58,13 +58,16 @@ def _shaft_for_teeth(found: Search) -> Search:
         width = instance.parameters[catalogue()[instance.effect].parameters[0].name]
         if turn is None or not noise or width > TOO_MUCH * max(noise) or not only_teeth(problem, f, name):
             continue
-        if all(trial.fit.hypothesis.effects.count(SPRING) == 0 for trial in turn.tried):  # it may not be named
+        tried = {id for turn in found.rounds for trial in turn.tried for id in trial.fit.hypothesis.effects}
+        if SPRING not in tried:  # it may not be named
             continue
         teeth = {key: f.hypothesis.by_path[f"contact.{key}"] for key in ("stiffness", "damping")}
         shaft = fit(problem, f.hypothesis.without(name).with_effect(SPRING, {}, teeth))
         bare = fit(problem, f.hypothesis.without(name))
-        if penalised_gain(bare, shaft) >= MOSTLY * penalised_gain(bare, f):
-            return swapped(found, shaft, SURER)
+        if penalised_gain(bare, shaft) >= MOSTLY * max(penalised_gain(bare, f), 0.0):
+            instead = swapped(found, shaft, SURER)
+            if SPRING in instead.fit.hypothesis.effects:
+                return instead
     return found
 
 

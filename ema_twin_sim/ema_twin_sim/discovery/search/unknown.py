@@ -182,6 +182,14 @@ def _gearbox_explains_more(found: Search) -> bool:
     An output lags behind a gearbox that gives way as well.
     """
     for turn in found.rounds:
+        taken = {
+            trial.fit.hypothesis.added[n].effect
+            for trial in turn.tried
+            for n in turn.added
+            if n in trial.fit.hypothesis.added
+        }
+        if not taken.isdisjoint(COMPLIANT_EFFECTS):  # it was large enough, and is judged by itself
+            continue
         late, gearbox = -math.inf, -math.inf
         for trial in turn.tried:
             came = {trial.fit.hypothesis.added[n].effect for n in trial.names if n in trial.fit.hypothesis.added}
