@@ -150,7 +150,7 @@ class _Trace:
             how, remedy = "goes back", "cut the file there, it holds more than one run"
             if not back.size:
                 how, remedy = "repeats", f"{repeats.size} of {len(values)} rows do: export it with more decimals"
-                if (stopped := _last_run(repeats, len(values))).size >= _STOPPED * len(values):
+                if (stopped := _last_run(repeats, len(values))).size >= max(2.0, _STOPPED * len(values)):
                     row = int(stopped[0])
                     how, remedy = "stops", f"all {stopped.size} rows from here on tell the same: cut them off"
             shown = f"{values[row]:.10g} {unit} after {values[row - 1]:.10g} {unit}"
