@@ -11,8 +11,9 @@ _POSITION = {"rad": 1.0, "deg": math.pi / 180.0, "rev": 2.0 * math.pi, "mrad": 1
              "arcmin": math.pi / 10800.0, "arcsec": math.pi / 648000.0}  # fmt: skip
 _SPEED = {"rad/s": 1.0, "deg/s": math.pi / 180.0, "rpm": 2.0 * math.pi / 60.0, "rev/s": 2.0 * math.pi, "mrad/s": 1e-3,
           "mdeg/s": 1e-3 * math.pi / 180.0, "krpm": 2000.0 * math.pi / 60.0}  # fmt: skip
-_TORQUE = {"N m": 1.0, "mN m": 1e-3, "N cm": 1e-2, "kN m": 1e3, "lbf in": 0.1129848, "lbf ft": 1.355818,
-           "ozf in": 7.061552e-3}  # fmt: skip
+_TORQUE = {"N m": 1.0, "mN m": 1e-3, "uN m": 1e-6, "N cm": 1e-2, "N mm": 1e-3, "kN m": 1e3, "lbf in": 0.1129848,
+           "lbf ft": 1.355818, "ozf in": 7.061552e-3, "kgf m": 9.80665, "kgf cm": 9.80665e-2,
+           "gf cm": 9.80665e-5}  # fmt: skip
 _LENGTH = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "µm": 1e-6}
 _VELOCITY = {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "m/min": 1.0 / 60.0}
 _FORCE = {"N": 1.0, "mN": 1e-3, "kN": 1e3}

@@ -178,7 +178,7 @@ def discover(
     progress("judging on held-out recordings")
     began = began if model.is_open else in_si(model)
     unseen = judge_unseen(rotary, began, noise, found)
-    idle = _idle(found, unseen) if known else ()
+    idle = _idle(found, unseen) if known or model.is_open else ()
     while idle:
         before = {*found.fit.hypothesis.added}
         shown_over = tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
@@ -186,9 +186,9 @@ def discover(
         back = not before.issuperset(found.fit.hypothesis.added)  # it had replaced something
         # with open constants, the rest may explain the recordings as well as anything does
         known = (model.is_open or back) and explained(found.problem, found.fit, start)
-        depends_on = () if known else shown_over
+        depends_on = () if known else depends_on or shown_over
         unseen = judge_unseen(rotary, began, noise, found)
-        idle = _idle(found, unseen) if known and back else ()
+        idle = _idle(found, unseen) if (known and back) or model.is_open else ()
     if known and model.is_open and _leaves_torque(unseen, rms_torque(rotary, began)):
         known, depends_on = False, ()  # what is left is too fast for the rows to tell on what it depends
     stands = unseen.betters
@@ -317,7 +317,7 @@ def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
 
     * Backlash or compliance that the encoders suggest but that removes little of the error there.
     * A bristle that removes nothing there, since it acts only in the first moments of a motion.
-    * With open constants: any effect on the torque that removes nothing there.
+    * With open constants: any effect on the torque that removes nothing there, or beside the noise adds to the error.
     """
     added = found.fit.hypothesis.added
     real = found.fit.hypothesis.base.is_open
@@ -325,16 +325,19 @@ def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
         came = [name for name in new_names(turn.before, turn.after) if name in added]
         parting = tuple(name for name in came if added[name].effect in COMPLIANT_EFFECTS)
         bending = tuple(name for name in came if added[name].effect == BRISTLE)
-        if unseen.rmse[k] <= NOISY * unseen.noise_floor:
-            continue
         first = _before_both(found, k)
+        ended = k + 1 if first == k else len(unseen.rmse) - 1
+        by_encoders = all(catalogue()[added[name].effect].depends_on == "encoders" for name in came)
+        if unseen.rmse[k] <= NOISY * unseen.noise_floor:
+            if real and came and not by_encoders and unseen.rmse[ended] > unseen.rmse[first]:
+                return tuple(came)
+            continue
         removed = unseen.removed(first, len(unseen.rmse) - 1)
         # A measured current drives no loop that would reach the teeth, and a hunting loop hides them: use the output.
         followed = unseen.output_removed(first, len(unseen.rmse) - 1) >= PART
         if parting and not followed and removed is not None and removed < PART:
             return parting
-        there = unseen.removed(first, k + 1 if first == k else len(unseen.rmse) - 1)
-        by_encoders = all(catalogue()[added[name].effect].depends_on == "encoders" for name in came)
+        there = unseen.removed(first, ended)
         if real and came and not by_encoders and there is not None and there <= 0.0:
             return tuple(came)
         if bending and there is not None and there <= 0.0:

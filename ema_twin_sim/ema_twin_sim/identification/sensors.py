@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ..criteria import BESIDE_IMPACTS, CORRELATION, DEPENDS, INTERPOLATED, PART, SMALL
+from ..criteria import BESIDE_IMPACTS, CORRELATION, DEPENDS, INTERPOLATED, MOSTLY, PART, SMALL
 from ..effects import catalogue
 from ..model.roles import SENSOR_DELAY, SENSOR_WAVE
 from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED
@@ -86,6 +86,20 @@ def delay_shows(problem: EquationErrorProblem, f: Fit) -> bool:
     """Whether an encoder delay shows in the presence of everything a gearbox may show instead."""
     alone, beside_gearbox = delay_beside_gearbox(problem, f)
     return beside_gearbox > max(DEPENDS, SMALL * alone)
+
+
+def delay_of_gearbox(problem: EquationErrorProblem, f: Fit) -> bool:
+    """Whether most of a regressed encoder delay is what a gearbox that gives way shows: by torque, flank or direction.
+
+    A true delay keeps its value beside these. An output that lags by the same angle at any speed does not lag by a
+    time: in a regression on the delay alone it appears as one, of a value that changes with the speeds recorded.
+    """
+    gearbox, sensors = _columns(problem, f)
+    wanted = _unexplained(problem, f)
+    delay = sensors[SENSOR_DELAY]
+    alone, _ = _regress(np.concatenate([delay, gearbox[:, GEARBOX_COLUMNS:]], axis=1), wanted)
+    beside, _ = _regress(np.concatenate([delay, gearbox, sensors[SENSOR_WAVE]], axis=1), wanted)
+    return bool(beside[0] < MOSTLY * alone[0])
 
 
 def delay_beside_gearbox(problem: EquationErrorProblem, f: Fit) -> tuple[float, float]:

@@ -117,6 +117,7 @@ def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recordi
     far from end to end in any, the gear ratio is right: then an output that swings wider here is on a compliant shaft.
     """
     if recording.of_points:
+        yield from _by_load(recording)
         return
 
     def swings(factor: _Factor) -> bool:

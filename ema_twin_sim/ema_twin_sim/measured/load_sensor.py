@@ -62,8 +62,11 @@ def falls_with_load(recordings: Sequence[Recording]) -> bool:
 
     Whatever moves a machine, its drive must hold the opposing load in addition to inertia and friction. A self-locking
     screw, however, is driven down against its load but not up. So the fall must be significant in each direction
-    separately.
+    separately. Operating points, which may be at rest, are judged together, since a screw takes more to drive up than
+    down.
     """
+    if points := [_rows_of_points(r) for r in recordings if r.of_points]:
+        return _points_surely_fall(np.concatenate(points))
     rows = _all_rows(recordings)
     forward = rows[:, _SPEED] > 0.0
     return all(_surely_falls(part) for part in (rows[forward], rows[~forward]))
@@ -84,6 +87,15 @@ def _surely_falls(rows: np.ndarray) -> bool:
         return False
     likeness = _likeness_of(rows)
     return likeness is not None and likeness <= -max(PART, SIGNIFICANT * math.sqrt(CORRELATION / len(rows)))
+
+
+def _points_surely_fall(rows: np.ndarray) -> bool:
+    """The same for operating points, which are independent, so that a few suffice."""
+    free = len(rows) - _MOTION - 1
+    likeness = _likeness_of(rows) if free > 0 else None
+    if likeness is None or likeness > -PART:
+        return False
+    return likeness**2 * free >= SIGNIFICANT**2 * (1.0 - likeness**2)
 
 
 def _all_rows(recordings: Sequence[Recording]) -> np.ndarray:
@@ -145,6 +157,19 @@ def _rows(recording: Recording) -> np.ndarray | None:
     rows = np.stack([acceleration, speed, np.sign(speed), np.ones(len(speed)), drift, load, torque], axis=1)
     kept = np.arange(round(_ENDS * width), len(rows) - round(_ENDS * width), max(1, round(width)))
     return rows[kept[np.abs(speed[kept]) > NEGLIGIBLE * np.abs(speed).max()]]
+
+
+def _rows_of_points(recording: Recording) -> np.ndarray:
+    """Rows (n, ``_MOTION`` + 2) of operating points, which neither accelerate nor drift; none without drive torque."""
+    drive = next((name for name in ("current", "motor_torque") if recording.has(name)), None)
+    if drive is None or not recording.has("load_torque"):
+        return np.zeros((0, _MOTION + 2))
+    load, torque = recording.signals["load_torque"], recording.signals[drive]
+    none = np.zeros(len(load))
+    speed = recording.signals.get("speed", none)
+    rows = np.stack([none, speed, np.sign(speed), none + 1.0, none, load, torque], axis=1)
+    known: np.ndarray = np.isfinite(rows).all(axis=1)
+    return rows[known]
 
 
 def _whole(values: np.ndarray) -> np.ndarray:

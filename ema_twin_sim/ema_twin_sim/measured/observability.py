@@ -46,6 +46,8 @@ def _not_at_points(recordings: Sequence[Recording], model: Model) -> frozenset[s
     if not all(recording.of_points for recording in recordings):
         return frozenset()
     hidden = effects_with(Trait.TRANSIENT) | effects_with(Trait.BY_CURRENT)
+    if any(recording.has("current") and recording.has("load_torque") for recording in recordings):
+        hidden -= effects_with(Trait.TORQUE_FACTOR)  # the load sensor tells how much torque an ampere gives
     if not any(moves(recording, model.value("sensors.speed_noise")) for recording in recordings):
         hidden |= effects_with(Trait.NOT_AT_REST)
     positions = [r.signals["motor_position"] for r in recordings if r.has("motor_position")]

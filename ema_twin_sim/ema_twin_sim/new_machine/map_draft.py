@@ -69,11 +69,17 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
             f"{guess.counts or ASSUMED_COUNTS:g}{turned}{of_output}}}{doubt or shown}"
         )
     unit = guess.unit or signal_unit(guess.signal, motion)
-    unsure = guess.doubt if guess.unit else "no unit in the header"
+    unsure = guess.doubt if guess.unit else _unit_doubt(guess.column)
     doubt = look("; ".join(filter(None, (unsure, sign if of_load else "")))) or shown
     if of_position and not doubt and not of_output and motion != "linear":
         doubt = "  # at the motor's shaft; add `shaft: output` if it is the output's"
     return f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], unit: {unit}{turned}{of_output}}}{doubt}"
+
+
+def _unit_doubt(column: str) -> str:
+    """What to check about the unit of a column whose header has no known one."""
+    foreign = header_words(column).foreign
+    return f"'{foreign}' is not a known unit" if foreign and not foreign.isdigit() else "no unit in the header"
 
 
 def _quoted(column: str) -> str:

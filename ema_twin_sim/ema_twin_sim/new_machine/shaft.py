@@ -40,7 +40,7 @@ _STEPS = 20  # of a robust regression
 _MOVING = 0.3  # of the largest distance
 _FEWEST = 10
 _PIECES = 500  # of a recording, over each of which a speed is computed
-_WINDOW = 0.1  # of a recording's samples, over which the motions of the shafts are compared
+_WINDOWS = (0.1, 0.061)  # of a recording's samples, over which the motions of the shafts are compared
 
 
 @dataclass(frozen=True)
@@ -115,10 +115,7 @@ def ratio_of_positions(recording: Recording) -> float | None:
     """The gear ratio that both positions show, negative if they turn against each other; None if they show none."""
     if not recording.has("motor_position", "output_position"):
         return None
-    lag = max(1, int(_WINDOW * len(recording)))
-    motor, output = (
-        recording.signals[name][lag:] - recording.signals[name][:-lag] for name in ("motor_position", "output_position")
-    )
+    motor, output = _farthest_apart(recording)
     both = np.isfinite(motor) & np.isfinite(output) & (output != 0.0)
     far = both & (np.abs(motor) > _MOVING * np.abs(motor[both]).max(initial=0.0))
     if far.sum() < _FEWEST:
@@ -128,6 +125,20 @@ def ratio_of_positions(recording: Recording) -> float | None:
         return ratio
     refined = _beside_lags(recording)
     return refined if abs(refined / ratio - 1.0) < ALIKE else ratio
+
+
+def _farthest_apart(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
+    """Ways [rad] of motor and output over a part of the recording, at each of its starts (k,).
+
+    Of several lengths the one over which the motor goes farthest: a periodic motion goes nowhere in a whole period.
+    """
+    lags = [max(1, int(window * len(recording))) for window in _WINDOWS]
+    ways = [
+        tuple(recording.signals[n][lag:] - recording.signals[n][:-lag] for n in ("motor_position", "output_position"))
+        for lag in lags
+    ]
+    motor, output = max(ways, key=lambda way: float(np.nanmean(np.abs(way[0]))) if np.isfinite(way[0]).any() else 0.0)
+    return motor, output
 
 
 def _beside_lags(recording: Recording) -> float:

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ...criteria import COST_PARAMETER, LEAST_SIZE, LIKELY, SIGNIFICANT, STRAINED_BESIDE, STRAINED_TOGETHER
+from ...criteria import COST_PARAMETER, DEPENDS, LEAST_SIZE, LIKELY, SIGNIFICANT, STRAINED_BESIDE, STRAINED_TOGETHER
 from ...effects import Trait, catalogue, effects_with
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit, prior_rows
@@ -21,8 +21,9 @@ from ...identification.on_bound import reached_bound
 from ...identification.uncertainty import covariance, scaled_inverse
 from ...model.roles import FRICTION, TORQUE_FACTOR
 from .reversals import shows_where_slowest
-from .worth import NOTHING_ELSE, is_lacked, largest_rms_reduction
+from .worth import NOTHING_ELSE, is_lacked, largest_rms_reduction, penalised_gain
 
+STEPS_WITHOUT = 6  # enough to tell a large loss from a small one
 OVER = {"inertia": "acceleration"} | {id: catalogue()[id].depends_on for id in FRICTION}
 
 
@@ -58,6 +59,7 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
       size has no shape.
     * With its shape free, the size must still differ from nothing: 49 ± 57 mN m is not a reportable number. Exception:
       a share, which is bounded on both sides.
+    * A size that is known to a third or half suffices if the rows lose much without the effect.
     * What the effect does in the rows must differ from nothing as well; with open constants by more, because more than
       noise is left there.
     * Effects that show only in constants off their file are exempt: how far these were off was the effect's gain. So
@@ -93,10 +95,22 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
             periodic = any(p.periodic for p in effect.parameters)
             needed = 1.0 if periodic else 0.0 if shape and math.isfinite(size.upper) else LIKELY
             hardly_known = abs(off) < needed * math.sqrt(max(float(spread[k, k]), 0.0))
-            if hardly_known or (not periodic and _sureness(f, spread, off, k, shape) < sure):
+            sureness = math.inf if periodic else _sureness(f, spread, off, k, shape)
+            if hardly_known or (sureness < sure and not (sureness >= LIKELY and _needed(problem, f, name))):
                 del away[name]
                 yield name
-    yield from (name for name in sorted(away, key=away.__getitem__) if away[name] < SIGNIFICANT)
+    for name in sorted(away, key=away.__getitem__):
+        if away[name] < SIGNIFICANT and not (away[name] >= LIKELY and _needed(problem, f, name)):
+            yield name
+
+
+def _needed(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
+    """Whether the rows lose much without an added effect.
+
+    A standard error describes the misfit close to its minimum. The size of an effect that bends a curve (a stiffness, a
+    level that decays with speed) may be known to a third only, in rows that nothing else explains.
+    """
+    return penalised_gain(fit(problem, f.hypothesis.without(name), STEPS_WITHOUT, known=f), f) > DEPENDS
 
 
 def _shape_on_bound(problem: EquationErrorProblem, f: Fit, name: str) -> bool:

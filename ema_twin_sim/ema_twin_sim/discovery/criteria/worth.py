@@ -32,7 +32,7 @@ from ...identification.comparable import refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
-from ...identification.sensors import delay_shows
+from ...identification.sensors import delay_of_gearbox, delay_shows
 from ...model.roles import BRISTLE, DRY_FRICTION, SENSOR_DELAY, SENSOR_WAVE
 from ...plant.measured_motion import MOTOR_ANGLE
 
@@ -147,6 +147,8 @@ def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> b
         floor *= 0.5
     # Interpolation error of an encoder may separate the encoders far more than a delay does.
     late = problem.size > 0 and bool(came) and not after.parted and all(catalogue()[id].delays for id in came.values())
+    if late and delay_of_gearbox(problem, before):
+        return False
     considerable = fall >= SMALL * excess or (late and delay_shows(problem, before))
     return considerable and largest_rms_reduction(problem, before, after) >= floor * left
 

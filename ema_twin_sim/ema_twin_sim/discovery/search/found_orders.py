@@ -147,6 +147,18 @@ def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], model:
     return [c for c in options if shows(c)]
 
 
+def is_bend(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
+    """Whether an added effect is a wave of which few cycles were recorded, within less than a turn of the motor.
+
+    There it is a curve over the angle, like any other. Only a whole turn shows that it repeats, and many cycles do.
+    """
+    instance = f.hypothesis.added[name]
+    if catalogue()[instance.effect].depends_on != "order" or "order" not in instance.options:
+        return False
+    turns = _turns(problem)
+    return turns < 1.0 and turns * f.hypothesis.model().motor_order(name) < MANY_CYCLES
+
+
 def standing_out(problem: EquationErrorProblem, f: Fit, gear_ratio: float | None = None) -> list[int]:
     """The orders with the most power, in cycles per motor turn, up to what the samples resolve.
 

@@ -41,9 +41,10 @@ def significant(found: Search) -> Search:
 
 
 def _shaft_for_teeth(found: Search) -> Search:
-    """The search with a compliant shaft in the place of backlash that is hardly wider than the encoders' noise.
+    """The search with a compliant shaft in the place of backlash whose teeth explain as much without its width.
 
-    If its teeth explain as much without that width, they wind up as a shaft does.
+    Such teeth wind up as a shaft does. The shaft takes their place if it explains more, or if the width is hardly more
+    than the encoders' noise and it explains about as much.
     """
     f, problem = found.fit, found.problem
     for name in f.hypothesis.added:
@@ -56,7 +57,7 @@ def _shaft_for_teeth(found: Search) -> Search:
             if part.stop > part.start
         ]
         width = instance.parameters[catalogue()[instance.effect].parameters[0].name]
-        if turn is None or not noise or width > TOO_MUCH * max(noise) or not only_teeth(problem, f, name):
+        if turn is None or not noise or not only_teeth(problem, f, name):
             continue
         tried = {id for turn in found.rounds for trial in turn.tried for id in trial.fit.hypothesis.effects}
         if SPRING not in tried:  # it may not be named
@@ -64,7 +65,8 @@ def _shaft_for_teeth(found: Search) -> Search:
         teeth = {key: f.hypothesis.by_path[f"contact.{key}"] for key in ("stiffness", "damping")}
         shaft = fit(problem, f.hypothesis.without(name).with_effect(SPRING, {}, teeth))
         bare = fit(problem, f.hypothesis.without(name))
-        if penalised_gain(bare, shaft) >= MOSTLY * max(penalised_gain(bare, f), 0.0):
+        narrow = width <= TOO_MUCH * max(noise)
+        if penalised_gain(bare, shaft) >= (MOSTLY if narrow else 1.0) * max(penalised_gain(bare, f), 0.0):
             instead = swapped(found, shaft, SURER)
             if SPRING in instead.fit.hypothesis.effects:
                 return instead
@@ -89,10 +91,17 @@ def with_what_made_room(found: Search) -> Search:
 
     Also an encoder's own error, if the removed effect was added in its place; and if backlash or compliance is gone,
     what wandering friction explained there, and what resembles a gearbox in the torque and gained there: the search by
-    torque alone left it out. What was removed for a reason of its own is not tried again.
+    torque alone left it out. What was removed for a reason of its own is not tried again, nor what had gained next to
+    nothing compared with what it gave way to: a gearbox that rings amplifies a wave, whatever that gearbox is.
     """
     reasons = {NEEDLESS} if found.fit.parted else {NEEDLESS, WANDERS}  # WANDERS is for backlash and compliance only
-    once = {turn.effect_of(gone) for turn in found.rounds if turn.reason in reasons for gone in turn.removed}
+    once = {
+        turn.effect_of(gone)
+        for turn in found.rounds
+        if turn.reason in reasons
+        for gone in turn.removed
+        if not _gave_way(found, turn, gone)
+    }
     held = {*found.fit.hypothesis.added}
     for turn in found.taken:
         if held.isdisjoint(turn.added):
@@ -108,6 +117,17 @@ def with_what_made_room(found: Search) -> Search:
     if not back:
         return found
     return found.further(*add_effects(found.fit, frozenset(catalogue()) - back, most=len(back)))
+
+
+def _gave_way(found: Search, turn: Round, name: str) -> bool:
+    """Whether an effect became needless after one that had gained far more than it had."""
+    own = next((earlier for earlier in found.taken if name in earlier.added and earlier is not turn), None)
+    return own is not None and _best_gain(own) < SMALL * _best_gain(turn)
+
+
+def _best_gain(turn: Round) -> float:
+    """What the effect gained that a round took; 0 for a round that only removed."""
+    return next((trial.gain for trial in turn.tried if trial.names == turn.added), 0.0)
 
 
 def _gained(turn: Round) -> set[str]:

@@ -29,6 +29,7 @@ from ..criteria.own_shape import (
 from ..criteria.plausible import only_constants, strained
 from ..criteria.worth import BY_CONSTANTS, NOTHING_ELSE, is_lacked
 from .adding import add_best
+from .found_orders import is_bend
 from .removing import less, significant, with_what_made_room
 from .rivals import substitutes, swapped
 from .trace import Round, Search, new_names
@@ -50,9 +51,12 @@ def beside_the_unknown(
     """
     if not found.problem.size:  # no torque was measured that could depend on anything
         return found, ("encoders",)
-    if found.fit.hypothesis.base.is_open:  # nothing contradicts open constants: what was found stays
-        return found, _most_likely(beside_generic_bases(found.problem, found.fit), found.fit)
     start = found.rounds[0].before
+    if found.fit.hypothesis.base.is_open:  # nothing contradicts open constants: what was found stays
+        found = less(found, [n for n in found.fit.hypothesis.added if is_bend(found.problem, found.fit, n)], LIKENESS)
+        problem = beside_generic_bases(found.problem, found.fit)
+        between = ("encoders",) if apart(problem, found.fit, start) else ()
+        return found, tuple(dict.fromkeys((*_most_likely(problem, found.fit), *between)))
     found = doubted(found)
     known = {catalogue()[effect].depends_on for effect in found.fit.hypothesis.effects}
     every = beside_generic_bases(found.problem, found.fit).generic_bases
