@@ -6,9 +6,10 @@ from dataclasses import replace
 import pytest
 
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.search.found_orders import resolved, written_order
+from ema_twin_sim.discovery.search.found_orders import is_bend, resolved, written_order
 from ema_twin_sim.identification.candidates import Candidate, candidates
 from ema_twin_sim.identification.equation import EquationErrorProblem
+from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe_all
 from ema_twin_sim.model import load_model, save_model
@@ -136,3 +137,14 @@ def test_the_benchs_orders_are_all_known(stock, tmp_path):
     save_model(stock, tmp_path / "whole.yaml")
     written = load_model(tmp_path / "whole.yaml")
     assert written.orders == stock.orders and not written.other_orders
+
+
+def test_a_few_cycles_within_a_part_of_a_turn_are_a_bend(stock):
+    """Whatever bends the torque over the angle looks like them, until the same comes again."""
+    model = replace(stock, orders={}, other_orders=True)
+    h = null_hypothesis(model).with_effect("cogging", {"order": "6"}, {"torque": 0.02, "phase": 0.3})
+    many = h.with_effect("cogging", {"order": "12"}, {"torque": 0.02, "phase": 0.3})
+    for turns, bent in ((0.8, (True, False)), (1.5, (False, False))):
+        runs = record(model, (f"sine:{math.pi * turns / 124.0:g}:0.5",))
+        f = fit(EquationErrorProblem(observe_all(runs, model)), many, 0)
+        assert tuple(is_bend(f.problem, f, name) for name in f.hypothesis.added) == bent

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ema_bench_replay.recording import Recording
+from ema_bench_replay.recording import POINTS, Recording
 from ema_twin_sim.measured.load_sensor import falls_with_load, follows_load
 
 TIME = np.arange(8000) * 2e-3
@@ -55,3 +55,19 @@ def test_a_sensor_without_a_value_is_no_load():
     run = recorded(SWINGS, friction(SWINGS) + LOAD, LOAD)
     nothing = Recording("run", run.stamps, {**run.signals, "load_torque": np.full(len(TIME), np.nan)})
     assert follows_load([nothing]) and not falls_with_load([nothing])
+
+
+def held(torque, load):
+    """Operating points at rest, as of a motor whose output is clamped to a torque sensor."""
+    signals = {"speed": np.zeros(len(torque)), "current": torque, "load_torque": load}
+    return Recording("held", np.arange(len(torque)) * 10**9, signals, metadata={POINTS: "yes"})
+
+
+@pytest.mark.parametrize(("sign", "turned"), [(1.0, False), (-1.0, True)])
+def test_a_few_points_at_rest_tell_it_as_well(sign, turned):
+    torque = np.linspace(-20.0, 20.0, 9)
+    load = 1.1 * torque - 0.006 * torque * np.abs(torque)
+    assert falls_with_load([held(torque, sign * load)]) is turned
+    assert not falls_with_load([held(torque[:5], sign * load[:5])])  # as many numbers as points
+    scattered = load * np.random.default_rng(2).choice([-1.0, 1.0], len(load))
+    assert not falls_with_load([held(torque, scattered)])

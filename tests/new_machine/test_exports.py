@@ -8,8 +8,10 @@ import pytest
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
+from ema_bench_replay.traces.header_words import header_words
 from ema_bench_replay.traces.trace_table import read_table
 from ema_bench_replay.traces.wrapped_angle import counted_on
+from ema_bench_replay.units import units_of
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.new_machine.columns import guess_columns
 
@@ -189,3 +191,21 @@ def test_words_of_other_languages_tell_setpoints_from_what_was_measured():
     assert taken == {
         "motor_position": header[1], "speed": header[2], "speed_setpoint": header[3], "motor_torque": header[4],
     }  # fmt: skip
+
+
+@pytest.mark.parametrize(("unit", "read", "size"), [
+    ("N mm", "N mm", 1e-3), ("Nmm", "N mm", 1e-3), ("N·mm", "N mm", 1e-3), ("kgf cm", "kgf cm", 9.80665e-2),
+    ("kg·cm", "kgf cm", 9.80665e-2), ("gcm", "gf cm", 9.80665e-5), ("µNm", "uN m", 1e-6),
+])  # fmt: skip
+def test_torque_in_the_units_of_small_and_hobby_motors(unit, read, size):
+    words = header_words(f"output torque [{unit}]")
+    assert (words.unit, words.quantity) == (read, "torque")
+    assert units_of("load_torque")[read] == pytest.approx(size)
+
+
+def test_a_unit_that_is_unknown_is_not_none_in_the_map(tmp_path):
+    file = tmp_path / "run.csv"
+    file.write_text(text("Time [s],Position [rad],Torque [dyn cm]\n", (TIME, ANGLE, CURRENT)))
+    init(str(tmp_path / "servo"), [file], gear_ratio=10.0)
+    drawn = (tmp_path / "servo_map.yaml").read_text()
+    assert "'dyn cm' is not a known unit" in drawn and "no unit in the header" not in drawn

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.load import load
+from ema_bench_replay.recording import Recording
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.measured.consistency import inconsistencies
 from ema_twin_sim.model import load_model
+from ema_twin_sim.new_machine.shaft import ratio_of_positions
 
 TIME = np.arange(2000) * 2e-3
 ANGLE = 30.0 * (1.0 - np.cos(2.0 * TIME))
@@ -54,3 +56,14 @@ def test_its_command_goes_with_it(tmp_path):
     trace = written(tmp_path / "t.csv", -ANGLE / 4.0, "output position [rad]", -ANGLE / 4.0)
     init(str(tmp_path / "q"), [trace])
     assert (tmp_path / "q_map.yaml").read_text().count("factor: -1") == 2
+
+
+def test_a_motion_that_comes_back_after_a_tenth_of_the_recording_tells_the_ratio(tmp_path):
+    """Over a whole period the shafts go nowhere, and what the teeth leave between them would be all."""
+    periods = 2.0 * np.pi * 10.0 * TIME / (TIME[-1] + TIME[1])
+    motor = 5.0 * np.sin(periods)
+    output = motor / 4.0 - 0.02 * np.tanh(8.0 * np.cos(periods))
+    recording = Recording(
+        "swing", np.arange(len(TIME)) * 2_000_000, {"motor_position": motor, "output_position": output}
+    )
+    assert ratio_of_positions(recording) == pytest.approx(4.0, rel=0.02)

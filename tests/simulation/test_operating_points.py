@@ -177,6 +177,25 @@ def test_a_measured_load_is_taken_off_the_drives_torque(motor):
     assert compare([sweep], motor).overall["current"]["rmse"] < 1e-9
 
 
+@pytest.mark.parametrize("braking", [True, False])
+def test_a_load_sensor_tells_the_torque_constant(braking, motor):
+    """A motor that gives a tenth less per ampere; unless it also brakes, friction that follows the load is the same."""
+    unknown = replace(motor.effects["viscous_friction"], open=True)
+    model = replace(motor, effects={**motor.effects, "viscous_friction": unknown})
+    rng = np.random.default_rng(3)
+    load = np.tile(np.linspace(-5e-3 if braking else 5e-4, 5e-3, 60), 2)
+    speed = np.repeat([60.0, 100.0], 60)
+    current = (load + 1e-5 * speed) / (0.9 * CONSTANT) + NOISE * rng.standard_normal(120)
+    found = discover([points("sweep", speed=speed, load_torque=load, current=current)], model)
+    alike = {"torque_constant_error", "mesh_friction"}
+    assert {*found.added} <= alike and len(found.added) == 1
+    if braking:
+        told = found.parameters["torque_constant_error"]["scale"]
+        assert abs(told["value"] - 0.9) < 3.0 * told["std"]
+    else:
+        assert [set(group) for group in found.groups] == [alike]
+
+
 def test_the_way_a_point_was_come_to():
     rng = np.random.default_rng(7)
     up = np.linspace(0.0, 1.0, 400)

@@ -182,12 +182,15 @@ def discover(
     while idle:
         before = {*found.fit.hypothesis.added}
         shown_over = tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
-        found = less(found, idle, "it hardly improves the simulated loop on held-out recordings")
+        fewer = less(found, idle, "it hardly improves the simulated loop on held-out recordings")
+        beside = judge_unseen(rotary, began, noise, fewer)
+        if model.is_open and beside.rmse[-1] >= unseen.rmse[-1]:  # the others need it, whatever its own step did
+            break
+        found, unseen = fewer, beside
         back = not before.issuperset(found.fit.hypothesis.added)  # it had replaced something
         # with open constants, the rest may explain the recordings as well as anything does
         known = (model.is_open or back) and explained(found.problem, found.fit, start)
         depends_on = () if known else depends_on or shown_over
-        unseen = judge_unseen(rotary, began, noise, found)
         idle = _idle(found, unseen) if (known and back) or model.is_open else ()
     if known and model.is_open and _leaves_torque(unseen, rms_torque(rotary, began)):
         known, depends_on = False, ()  # what is left is too fast for the rows to tell on what it depends

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from ema_bench_replay.traces.header_words import COUNTS
+from ema_bench_replay.traces.header_words import COUNTS, header_words
 from ema_bench_replay.units import signal_unit
 
 from ..model.check_comment import CHECK, check_comment

@@ -203,7 +203,8 @@ def _unexplained(plant, state, effects, before, now, simulated_angle, interval, 
     passed = passed + uneven + bent
     if stiffness > 0.0 and still:
         # no sensor shows how far a bristle bends at rest; it is as far as the torque that it balances bends it
-        state.driven_bristle = min(max(driving - passed, -break_away), break_away) / stiffness
+        break_away = dry
+        state.driven_bristle = min(max(driving - passed, -dry), dry) / stiffness
     unbalanced = unbalanced_torque(driving - passed, sharp, viscous, dry, break_away, still)
     return filtered_balance(state, unbalanced, speed, inertia, interval, has_speed, smoothing)
 

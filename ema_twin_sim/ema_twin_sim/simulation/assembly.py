@@ -10,17 +10,18 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 
-from ..criteria import COUNTED, SIGNIFICANT
+from ..criteria import SIGNIFICANT
 from ..effects import Effect, Trait, catalogue, mesh_friction, the_effect
 from ..effects.catalogue import is_own
 from ..model import EffectInstance, Model
 from ..model.own_units import shown
-from ..plant.balance import BALANCE_LAG
 from ..plant.layout import ANGLE_ERRORS, DRY_LEVEL, ENCODER_MEMORY, PLANT, Effects
 from ..plant.operating_point import PARAMETER_SLOTS, compile_effect
 from .fidelity import FineParts, fine_parts
 from .lumped_train import lump_train
 
+STANDSTILL = 0.05
+"""rad/s of the motor, if its speed's noise is not stated: some times that of the bench's drive."""
 _SAME_NAME = (
     "machine.gear_ratio",
     "machine.output_inertia",
@@ -78,7 +79,7 @@ def assemble(model: Model, *, by_current: bool = False) -> Assembly:
     turn = 2.0 * math.pi / model.turn  # the plant's counts refer to a revolution
     record["motor_counts"] = turn * model.value("sensors.motor_encoder_counts")
     record["output_counts"] = turn * model.value("sensors.output_encoder_counts")
-    record["standstill"] = _standstill(model, record["motor_counts"])
+    record["standstill"] = _standstill(model)
     for side, none in (("lower", -np.inf), ("upper", np.inf)):
         stop = model.constants.get(f"transmission.end_stop_{side}")
         record[f"end_stop_{side}"] = none if stop is None else stop.value
@@ -104,13 +105,11 @@ def assemble(model: Model, *, by_current: bool = False) -> Assembly:
     return Assembly(plant, _effects(balanced), _effects(acting), fine)
 
 
-def _standstill(model: Model, counts: float) -> float:
-    """Speed [rad/s] below which a measured motion has no direction: within its noise, or slower than its encoder shows.
-
-    The encoder of the motor has ``counts`` per revolution.
-    """
+def _standstill(model: Model) -> float:
+    """Speed [rad/s] below which a measured motion has no direction: within the noise of the unsmoothed speed."""
     noise = model.value("sensors.speed_noise")
-    return SIGNIFICANT * noise if noise > 0.0 else COUNTED * 2.0 * math.pi / counts / (2.0 * BALANCE_LAG)
+    lags = model.value("sensors.speed_smoothing") / model.value("sensors.sample_period")
+    return SIGNIFICANT * noise * math.hypot(1.0 + lags, lags) if noise > 0.0 else STANDSTILL
 
 
 def _effects(acting: list[tuple[int, int, list[float]]]) -> Effects:

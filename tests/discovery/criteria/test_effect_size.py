@@ -172,8 +172,9 @@ class TestNoSize:
         assert has_effect_size(a_problem(ROWS), before, after)
 
     @pytest.mark.parametrize(("output", "motor"), [(4096.0, 65536.0), (1e9, 16.0)])
-    def test_an_angle_error_of_less_than_half_a_count_is_rounding(self, output, motor, stock):
+    def test_an_angle_error_of_less_than_half_a_count_is_rounding(self, output, motor, stock, monkeypatch):
         """Of the coarser encoder, where the motor's is seen through the gears."""
+        monkeypatch.setattr(worth, "delay_of_gearbox", lambda *_: False)
         model = stock.with_value("sensors.output_encoder_counts", output)
         model = model.with_value("sensors.motor_encoder_counts", motor)
         count = model.turn / min(output, motor * model.value("machine.gear_ratio"))
@@ -232,6 +233,7 @@ class TestEncoders:
         self, shows, parted, large_enough, problem, stock, monkeypatch
     ):
         monkeypatch.setattr(worth, "delay_shows", lambda *_: shows)
+        monkeypatch.setattr(worth, "delay_of_gearbox", lambda *_: False)
         late = self.step(stock, "encoder_delay", 1.0, 30.0, (parted, parted))
         late[1].raw[ROWS:] = 29.5  # a thirtieth of the power
         late[1].misfits = ROWS, ROWS * 29.5**2
@@ -244,6 +246,8 @@ class TestEncoders:
             wave[1].misfits, wave[1].misfit = late[1].misfits, late[1].misfit
             assert not has_effect_size(problem, *wave)
             assert not has_effect_size(a_problem(0, encoder_rows=(ROWS,)), *late)
+            monkeypatch.setattr(worth, "delay_of_gearbox", lambda *_: True)
+            assert not has_effect_size(problem, *late)
 
     @pytest.mark.parametrize(("share", "enough"), [(0.9 * NEGLIGIBLE, False), (1.1 * NEGLIGIBLE, True)])
     def test_of_an_open_machine_a_share_of_how_the_encoders_part_is_all_that_can_be_asked(

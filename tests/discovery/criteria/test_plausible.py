@@ -9,6 +9,7 @@ import pytest
 
 from ema_twin_sim.criteria import (
     COST_PARAMETER,
+    DEPENDS,
     LEAST_SIZE,
     LIKELY,
     SIGNIFICANT,
@@ -76,13 +77,18 @@ class TestStrained:
         assert strained(a_fit(heavier, np.ones(ROWS))) == ("acceleration",)
 
 
-def sure(h, monkeypatch, spread, jacobian=None):
-    """What is insignificant of a hypothesis whose numbers have these standard errors (by path) or this covariance."""
+def sure(h, monkeypatch, spread, jacobian=None, lost=0.0):
+    """What is insignificant of a hypothesis whose numbers have these standard errors (by path) or this covariance.
+
+    ``lost`` is what the rows lose without an effect, in units of the noise.
+    """
     paths = [free.path for free in h.free]
     if isinstance(spread, dict):
         spread = np.diag([spread.get(path, 1e-9) ** 2 for path in paths])
     jacobian = np.ones((ROWS, len(paths))) if jacobian is None else jacobian
     monkeypatch.setattr(plausible, "covariance", lambda *_: spread)
+    monkeypatch.setattr(plausible, "fit", lambda *_, **__: None)
+    monkeypatch.setattr(plausible, "penalised_gain", lambda *_: lost)
     return insignificant(a_problem(ROWS), a_fit(h, np.ones(ROWS), jacobian=jacobian))
 
 
@@ -100,6 +106,17 @@ class TestInsignificant:
             h = a_hypothesis(stock, "constant_load", constant_load={"torque": torque})
             found = sure(h, monkeypatch, {self.LOAD: 0.02 / errors})
             assert found == (None if there else "constant_load")
+
+    @pytest.mark.parametrize(("errors", "lost", "there"), [
+        (0.99 * SIGNIFICANT, 1.01, True), (0.99 * SIGNIFICANT, 0.99, False),
+        (1.01 * LIKELY, 1.01, True), (0.99 * LIKELY, 99.0, False),
+    ])  # fmt: skip
+    def test_fewer_suffice_where_nothing_else_explains_the_rows(self, errors, lost, there, stock, monkeypatch):
+        """A standard error describes the misfit close to its minimum; without the effect it may be far larger."""
+        h = a_hypothesis(stock, "presliding_friction", presliding_friction={"stiffness": 1.0})
+        spread = {"effects.presliding_friction.stiffness": 1.0 / errors}
+        found = sure(h, monkeypatch, spread, lost=lost * DEPENDS)
+        assert found == (None if there else "presliding_friction")
 
     def test_none_is_where_an_effect_does_nothing(self, stock, monkeypatch):
         """A factor of one."""

@@ -23,7 +23,6 @@ from ...model.roles import FRICTION, TORQUE_FACTOR
 from .reversals import shows_where_slowest
 from .worth import NOTHING_ELSE, is_lacked, largest_rms_reduction, penalised_gain
 
-STEPS_WITHOUT = 6  # enough to tell a large loss from a small one
 OVER = {"inertia": "acceleration"} | {id: catalogue()[id].depends_on for id in FRICTION}
 
 
@@ -110,7 +109,7 @@ def _needed(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     A standard error describes the misfit close to its minimum. The size of an effect that bends a curve (a stiffness, a
     level that decays with speed) may be known to a third only, in rows that nothing else explains.
     """
-    return penalised_gain(fit(problem, f.hypothesis.without(name), STEPS_WITHOUT, known=f), f) > DEPENDS
+    return penalised_gain(fit(problem, f.hypothesis.without(name), 6, known=f), f) > DEPENDS
 
 
 def _shape_on_bound(problem: EquationErrorProblem, f: Fit, name: str) -> bool:

@@ -91,17 +91,10 @@ def with_what_made_room(found: Search) -> Search:
 
     Also an encoder's own error, if the removed effect was added in its place; and if backlash or compliance is gone,
     what wandering friction explained there, and what resembles a gearbox in the torque and gained there: the search by
-    torque alone left it out. What was removed for a reason of its own is not tried again, nor what had gained next to
-    nothing compared with what it gave way to: a gearbox that rings amplifies a wave, whatever that gearbox is.
+    torque alone left it out. What was removed for a reason of its own is not tried again.
     """
     reasons = {NEEDLESS} if found.fit.parted else {NEEDLESS, WANDERS}  # WANDERS is for backlash and compliance only
-    once = {
-        turn.effect_of(gone)
-        for turn in found.rounds
-        if turn.reason in reasons
-        for gone in turn.removed
-        if not _gave_way(found, turn, gone)
-    }
+    once = {turn.effect_of(gone) for turn in found.rounds if turn.reason in reasons for gone in turn.removed}
     held = {*found.fit.hypothesis.added}
     for turn in found.taken:
         if held.isdisjoint(turn.added):
@@ -117,17 +110,6 @@ def with_what_made_room(found: Search) -> Search:
     if not back:
         return found
     return found.further(*add_effects(found.fit, frozenset(catalogue()) - back, most=len(back)))
-
-
-def _gave_way(found: Search, turn: Round, name: str) -> bool:
-    """Whether an effect became needless after one that had gained far more than it had."""
-    own = next((earlier for earlier in found.taken if name in earlier.added and earlier is not turn), None)
-    return own is not None and _best_gain(own) < SMALL * _best_gain(turn)
-
-
-def _best_gain(turn: Round) -> float:
-    """What the effect gained that a round took; 0 for a round that only removed."""
-    return next((trial.gain for trial in turn.tried if trial.names == turn.added), 0.0)
 
 
 def _gained(turn: Round) -> set[str]:
