@@ -62,7 +62,7 @@ METHOD = {
     "fitting/unseen.py": "LAST",
     "discovery/criteria/own_shape.py": "TEETH_STEPS",
     "discovery/criteria/episodes.py": "SHORTEST HOLES",
-    "discovery/criteria/worth.py": "STRAY_ROWS",
+    "discovery/criteria/worth.py": "STRAY_ROWS FEWEST_CYCLES",
     "discovery/diagnose.py": "BLOCK DRAWS RANKED SIMULATED",
     "discovery/evidence.py": "BINS FEWEST BANDS LEAST_SHOWN SHOWN NEAR",
     "discovery/experiment/bench_limits.py": "_SLACK _SLACK_TRAVEL _LONG _NONE",

@@ -1,26 +1,28 @@
-"""Torque ripple: T = -Kt * i * fraction * sin(24 theta + phase) [N m], the sixth harmonic of the four pole pairs.
+"""Torque ripple: T = -Kt * i * fraction * sin(6 P theta + phase) [N m], the sixth harmonic of P pole pairs.
 
-The back-EMF or the currents are not sinusoidal: the torque oscillates in proportion to the current.
+The back-EMF or the currents are not sinusoidal: the torque oscillates in proportion to the current. A model that names
+no pole pairs has the four of the bench's motor.
 """
 
 import math
 
 from .effect import Effect, Implausible, Parameter, Trait
 
-_ORDER = 24.0
+_POLE_PAIRS = 4.0
 
 
 def act(at, p):
     """Torque [N m] that the motor lacks, at its counter's angle."""
-    return -at.motor_torque * p[0] * math.sin(_ORDER * at.motor_angle + p[1])
+    electrical = _POLE_PAIRS * at.motor_angle if math.isnan(at.electrical_angle) else at.electrical_angle
+    return -at.motor_torque * p[0] * math.sin(6.0 * electrical + p[1])
 
 
 EFFECT = Effect(
     id="torque_ripple",
     summary="motor torque that swings with the electrical angle, in proportion to current",
-    equation="T = −Kt · i · fraction · sin(24θ + phase)",
+    equation="T = −Kt · i · fraction · sin(6·P·θ + phase), P pole pairs",
     depends_on="order",
-    signature="current error of order 24 that grows with the current and flips with its sign",
+    signature="current error of six times the electrical order (24) that grows and changes sign with the current",
     shown_by="slow motion under load",
     source="Holtz and Springob 1996",
     parameters=(

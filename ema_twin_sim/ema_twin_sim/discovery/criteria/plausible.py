@@ -109,7 +109,7 @@ def _needed(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     A standard error describes the misfit close to its minimum. The size of an effect that bends a curve (a stiffness, a
     level that decays with speed) may be known to a third only, in rows that nothing else explains.
     """
-    return penalised_gain(fit(problem, f.hypothesis.without(name), 6, known=f), f) > DEPENDS
+    return penalised_gain(fit(problem, f.hypothesis.without(name), 4, known=f), f) > DEPENDS
 
 
 def _shape_on_bound(problem: EquationErrorProblem, f: Fit, name: str) -> bool:

@@ -37,6 +37,7 @@ from ...model.roles import BRISTLE, DRY_FRICTION, SENSOR_DELAY, SENSOR_WAVE
 from ...plant.measured_motion import MOTOR_ANGLE
 
 STRAY_ROWS = 2  # of a recording, or 1 % of it: a single start or spike is no dependence
+FEWEST_CYCLES = 2.0  # of a wave that is seen to repeat
 BY_CONSTANTS = frozenset({"speed", "acceleration", "current"})
 """Quantities that a model's constants act on: effects over these may show only as a constant off its file."""
 NOTHING_ELSE = frozenset({"acceleration", "current"})
@@ -115,6 +116,7 @@ def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> b
         or _too_large(problem, after, name)
         or _within_counts(after, name)
         or _within_steps(problem, after, name)
+        or _hardly_repeats(problem, before, after, name)
         for name in came
     ):
         return False
@@ -222,6 +224,25 @@ def _within_steps(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     size = catalogue()[instance.effect].parameters[0]
     slope = f.slopes()[f"effects.{name}.{size.name}"][: problem.size]
     return abs(instance.parameters[size.name]) * float(np.median(np.abs(slope) * problem.noise)) < step
+
+
+def _hardly_repeats(problem: EquationErrorProblem, before: Fit, after: Fit, name: str) -> bool:
+    """Whether a wave explains mostly recordings in which it does not come a second time, on a machine of other orders.
+
+    There it is a bend of the torque over the angle, and where it repeats it should explain as much.
+    """
+    h = after.hypothesis
+    instance = h.added[name]
+    of_encoders = catalogue()[instance.effect].depends_on == "encoders"
+    if not h.base.other_orders or of_encoders or "order" not in instance.options:
+        return False
+    order = h.model().motor_order(name)
+    fell = after.weights**2 * (before.raw**2 - after.raw**2)
+    there = {True: 0.0, False: 0.0}
+    for o, part in zip(problem.observations, problem.torque_parts, strict=True):
+        turns = float(np.ptp(o.motion[:, MOTOR_ANGLE])) / (2.0 * math.pi)
+        there[turns * order >= FEWEST_CYCLES] += float(fell[part].sum())
+    return there[True] < PART * sum(there.values())
 
 
 def _does_nothing(f: Fit, name: str) -> bool:

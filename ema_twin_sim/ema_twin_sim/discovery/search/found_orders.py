@@ -153,7 +153,7 @@ def is_bend(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     There it is a curve over the angle, like any other. Only a whole turn shows that it repeats, and many cycles do.
     """
     instance = f.hypothesis.added[name]
-    if catalogue()[instance.effect].depends_on != "order" or "order" not in instance.options:
+    if catalogue()[instance.effect].depends_on == "encoders" or "order" not in instance.options:
         return False
     turns = _turns(problem)
     return turns < 1.0 and turns * f.hypothesis.model().motor_order(name) < MANY_CYCLES
