@@ -182,7 +182,7 @@ def discover(
     while idle:
         before = {*found.fit.hypothesis.added}
         shown_over = tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
-        fewer = less(found, idle, "it hardly improves the simulated loop on held-out recordings")
+        fewer = less(found, idle, "it hardly improves the simulated loop")
         beside = judge_unseen(rotary, began, noise, fewer)
         if model.is_open and beside.rmse[-1] >= unseen.rmse[-1]:  # the others need it, whatever its own step did
             break

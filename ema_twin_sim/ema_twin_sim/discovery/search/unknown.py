@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...criteria import RIVAL_MARGIN
+from ...criteria import MOSTLY, RIVAL_MARGIN
 from ...effects import Trait, catalogue, effects_with
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
@@ -65,15 +65,29 @@ def beside_the_unknown(
     }
     after, rounds, bases = _add_dependences(found.fit, bases, progress)
     held = {*found.fit.hypothesis.added}
-    found = significant(found.further(after, rounds))
+    beside = significant(found.further(after, rounds))
+    if any(_explains_most(found, after, name) for name in held - {*beside.fit.hypothesis.added}):
+        # several bases together span almost any effect, which is no reason to prefer them to one that does it alone
+        beside = replace(beside, fit=found.fit, rounds=found.rounds)
+    depends_on = tuple(dict.fromkeys(dependence(name) for name in after.hypothesis.generic_bases))
+    found = beside
     if came := {*found.fit.hypothesis.added} - held:  # in place of an uncertain one; not checked yet
         found = less(found, [name for name in _doubtful(_without_dependences(found)) if name in came], LIKENESS)
     problem = found.problem.with_generic_bases(bases)
-    depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.generic_bases))
     suspect = {*depends_on, *strained(found.fit), *(["encoders"] if apart(problem, found.fit, start) else [])}
     # to a fit, something that comes and goes is an outlier and no lasting dependence
     passing = ("time",) if not suspect and episodes(problem, found.fit) else ()
     return found, depends_on or tuple(sorted(suspect)) or passing or _most_likely(problem, found.fit)
+
+
+def _explains_most(found: Search, after: Fit, name: str) -> bool:
+    """Whether an effect alone explains most of the torque that all effects and generic bases of a later fit explain."""
+    h = found.fit.hypothesis
+    bare = h
+    for other in h.added:
+        bare = bare.without(other)
+    null, less = fit(found.problem, bare), fit(found.problem, h.without(name))
+    return less.misfits[0] - found.fit.misfits[0] >= MOSTLY * (null.misfits[0] - after.misfits[0]) > 0.0
 
 
 def _add_dependences(
