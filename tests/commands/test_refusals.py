@@ -158,8 +158,12 @@ def test_json_replaces_no_input(tmp_path, ramp):
     link.symlink_to(run)
     for output in (run, model, link):
         for verb in ("compare", "live"):
-            refused(verb, run, "--model", model, "--json", output, naming=("is an input",))
+            refused(verb, run, "--model", model, "--json", output, naming=("no JSON file", str(output)))
+    notes = tmp_path / "notes.txt"
+    notes.write_text("of last week\n")
+    refused("compare", run, "--model", model, "--json", notes, naming=("no JSON file",))
     assert run.read_bytes() == ramp.read_bytes() and "backlash" in model.read_text()
+    assert notes.read_text() == "of last week\n"
 
 
 def test_an_internal_error_is_one_line_with_status_1(tmp_path):

@@ -183,6 +183,14 @@ def test_a_steady_speed_is_no_counters_step():
     assert smallest_step(2e-3 * np.floor(way / 2e-3)) == pytest.approx(2e-3)
 
 
+def test_a_counter_of_a_fast_shaft_shows_single_steps_where_it_reverses():
+    time = np.arange(15_000) * 1e-3
+    way = 60.0 * np.cumsum(np.clip(2.0 * np.sin(1.26 * time), -1.0, 1.0)) * 1e-3
+    assert smallest_step(1.5e-3 * np.rint(way / 1.5e-3)) == pytest.approx(1.5e-3)
+    noisy = way + 1e-4 * np.random.default_rng(1).standard_normal(len(way))
+    assert smallest_step(np.round(noisy, 9)) is None
+
+
 def test_what_init_refuses(tmp_path):
     (tmp_path / "odd.csv").write_text("foo,bar\n1,2\n3,4\n")
     refused("init", "odd.csv", "-o", "odd", cwd=tmp_path, naming=("odd.csv: header", "foo, bar", "rename them"))

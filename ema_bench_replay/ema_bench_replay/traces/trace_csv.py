@@ -186,23 +186,30 @@ class _Trace:
                 continue
             place = places[0]
             if len(places) > 1:
-                names = ", ".join(self.table.header[other] for other in places)
-                self._warn(f"{column.name} is in {len(places)} columns ({names}); {self.table.header[place]} is used")
+                names = ", ".join(f"{self.table.header[other]} in column {other + 1}" for other in places)
+                self._warn(f"{column.name} is in {len(places)} columns ({names}); column {place + 1} is used")
             return self._following(column, place, signal.signal)
-        self._report_alike(signal)
+        self._report_missing(signal)
         return None
 
-    def _report_alike(self, signal: SignalMap) -> None:
-        """Warn if a column that no signal reads has nearly the name of this signal's, which is not there."""
+    def _report_missing(self, signal: SignalMap) -> None:
+        """Warn that none of this signal's columns is there, with the nearest name of a column that no signal reads.
+
+        A drive's parameters are traced or not, as chosen for each trace: they are not missed.
+        """
+        if any(column.is_parameter for column in signal.columns):
+            return
         header, read = self.table.header, self.map.places(self.table.header)
         spare = {name.lower(): name for place, name in enumerate(header) if name and place not in read}
-        for column in (one for one in signal.columns if not one.is_parameter):
-            for near in get_close_matches(column.plain.lower(), spare, n=1, cutoff=_NEARLY_THE_SAME):
-                signal_words = signal.signal.replace("_", " ")
-                self._warn(
-                    f"the map {self.map.name!r} reads the {signal_words} from {column.plain!r}, which is not there; "
-                    f"correct the map if {spare[near]!r} is meant"
-                )
+        signal_words = signal.signal.replace("_", " ")
+        missed = " or ".join(repr(column.plain) for column in signal.columns)
+        near = [
+            spare[name]
+            for column in signal.columns
+            for name in get_close_matches(column.plain.lower(), spare, n=1, cutoff=_NEARLY_THE_SAME)
+        ]
+        remedy = f"correct the map if {near[0]!r} is meant" if near else "the recording is read without it"
+        self._warn(f"the map {self.map.name!r} reads the {signal_words} from {missed}, which is not there; {remedy}")
 
     def _report_unit(self, signal: SignalMap, column: str) -> None:
         """Warn if the column's header tells another unit than the map."""

@@ -270,7 +270,7 @@ class _RowReader:
                 if is_last and number == len(lines) - 1 and len(cells) < len(self.header):
                     self._report_torn(self.line + number)
                     return rows[:-1]
-                counts = f"has {len(cells)} cells where the header has {len(self.header)}"
+                counts = f"has {len(cells)} cell{'s' * (len(cells) != 1)} where the header has {len(self.header)}"
                 raise InputError(f"{place}: {counts}; remove or complete the row")
             for column, cell in enumerate(cells):
                 try:

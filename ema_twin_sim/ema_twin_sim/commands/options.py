@@ -52,6 +52,16 @@ def effect_names(incomplete: str) -> list[str]:
     return [id for id in catalogue() if id.startswith(incomplete)]
 
 
+def of_json(path: Path | None) -> Path | None:
+    """A path for JSON; a usage error if a file is there that holds something else, which would be lost."""
+    if path is not None and path.is_file():
+        with path.open("rb") as file:
+            begins = file.read(1024).lstrip()[:1]
+        if begins not in (b"", b"{", b"["):
+            raise typer.BadParameter(f"{path} exists and is no JSON file; give another name")
+    return path
+
+
 SECONDS = number(-LARGEST, LARGEST, "s")
 
 Runs = Annotated[list[Path], typer.Argument(metavar="RUN", help="Recordings: MCAP files, CSVs, or folders of either.")]
@@ -154,7 +164,8 @@ Step = Annotated[
     typer.Option("--step", metavar="S", parser=SECONDS, help="Integration step in seconds; by default the model's."),
 ]
 JsonFile = Annotated[
-    Path | None, typer.Option("--json", metavar="FILE", help="Also write the result here, machine-readable.")
+    Path | None,
+    typer.Option("--json", metavar="FILE", callback=of_json, help="Also write the result here, machine-readable."),
 ]
 Strict = Annotated[bool, typer.Option("--strict", help="Refuse damaged input instead of using its intact part.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace an output that exists.")]

@@ -70,10 +70,18 @@ _BREAK = re.compile(
 )
 
 
+COMMAND = "  ema-twin "
+"""How a line begins that holds a command."""
+
+
 def say(text: str, *, style: str = "", markup: bool = False) -> None:
-    """Print sentences, folded between words to the terminal's width or ``COLUMNS``; unfolded if there is neither."""
+    """Print sentences, folded between words to the terminal's width or ``COLUMNS``; unfolded if there is neither.
+
+    Commands to be copied are not folded.
+    """
     said = Text.from_markup(text, style=style) if markup else Text(text, style)
-    console.print(fold(said, console.width) if _folds else said, soft_wrap=True)
+    folds = _folds and not said.plain.startswith(COMMAND)
+    console.print(fold(said, console.width) if folds else said, soft_wrap=True)
 
 
 def fold(text: Text, width: int) -> Text:

@@ -54,7 +54,7 @@ def choose_input(recording: Recording, model: Model, wanted: str | None = None) 
         return BY_MOTOR
     chosen = wanted or input_by_signals(recording.has("speed_setpoint"), recording.has("current"), model)
     if chosen not in DRIVING:
-        raise InputError(f"input '{chosen}' is not known; give setpoint or current, or command")
+        raise InputError(f"input '{chosen}' is not known; give setpoint, current or command")
     if wanted is None and not recording.has(DRIVING[chosen]):  # neither a speed setpoint nor a current
         raise InputError(
             f"{recording.name}: has no current and no torque of the drive, which a twin needs; it holds "
