@@ -172,7 +172,7 @@ class TestNoSize:
         assert has_effect_size(a_problem(ROWS), before, after)
 
     @pytest.mark.parametrize(("output", "motor"), [(4096.0, 65536.0), (1e9, 16.0)])
-    def test_an_angle_error_of_less_than_half_a_count_is_rounding(self, output, motor, stock, monkeypatch):
+    def test_an_angle_error_of_less_than_a_count_is_rounding(self, output, motor, stock, monkeypatch):
         """Of the coarser encoder, where the motor's is seen through the gears."""
         monkeypatch.setattr(worth, "delay_of_gearbox", lambda *_: False)
         model = stock.with_value("sensors.output_encoder_counts", output)
@@ -180,8 +180,8 @@ class TestNoSize:
         count = model.turn / min(output, motor * model.value("machine.gear_ratio"))
         problem = a_problem(ROWS, encoder_rows=(50,))
         for effect, size, enough in (
-            ("encoder_eccentricity", 0.499, False),
-            ("encoder_eccentricity", 0.5, True),
+            ("encoder_eccentricity", 0.999, False),
+            ("encoder_eccentricity", 1.0, True),
             ("rotor_eccentricity", 1e-6, True),
             ("encoder_delay", 1e-6, True),
         ):

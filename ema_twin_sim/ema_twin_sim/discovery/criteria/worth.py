@@ -197,7 +197,7 @@ def _too_large(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
 
 
 def _within_counts(f: Fit, name: str) -> bool:
-    """Whether an angle error is below half a count of the coarser encoder: rounding looks the same."""
+    """Whether an angle error is below one count of the coarser encoder: rounding looks the same."""
     instance = f.hypothesis.instance(name)
     size = catalogue()[instance.effect].parameters[0]
     if catalogue()[instance.effect].depends_on != "encoders" or size.name != "amplitude":
@@ -206,7 +206,7 @@ def _within_counts(f: Fit, name: str) -> bool:
     counts = min(
         value("sensors.output_encoder_counts"), value("sensors.motor_encoder_counts") * value("machine.gear_ratio")
     )
-    return abs(instance.parameters[size.name]) < 0.5 * f.hypothesis.base.turn / counts
+    return abs(instance.parameters[size.name]) < f.hypothesis.base.turn / counts
 
 
 def _within_steps(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
