@@ -113,10 +113,11 @@ class TestInsignificant:
     ])  # fmt: skip
     def test_fewer_suffice_where_nothing_else_explains_the_rows(self, errors, lost, there, stock, monkeypatch):
         """A standard error describes the misfit close to its minimum; without the effect it may be far larger."""
-        h = a_hypothesis(stock, "presliding_friction", presliding_friction={"stiffness": 1.0})
-        spread = {"effects.presliding_friction.stiffness": 1.0 / errors}
-        found = sure(h, monkeypatch, spread, lost=lost * DEPENDS)
-        assert found == (None if there else "presliding_friction")
+        for model, open_too in ((an_open(stock), there), (stock, False)):
+            h = a_hypothesis(model, "presliding_friction", presliding_friction={"stiffness": 1.0})
+            spread = {"effects.presliding_friction.stiffness": 1.0 / errors}
+            found = sure(h, monkeypatch, spread, lost=lost * DEPENDS)
+            assert found == (None if open_too else "presliding_friction")
 
     def test_none_is_where_an_effect_does_nothing(self, stock, monkeypatch):
         """A factor of one."""

@@ -58,7 +58,8 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
       size has no shape.
     * With its shape free, the size must still differ from nothing: 49 ± 57 mN m is not a reportable number. Exception:
       a share, which is bounded on both sides.
-    * A size that is known to a third or half suffices if the rows lose much without the effect.
+    * With open constants, a size known to a third or half suffices if the rows lose much without the effect: it must
+      otherwise be as sure as the constants.
     * What the effect does in the rows must differ from nothing as well; with open constants by more, because more than
       noise is left there.
     * Effects that show only in constants off their file are exempt: how far these were off was the effect's gain. So
@@ -104,11 +105,13 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
 
 
 def _needed(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    """Whether the rows lose much without an added effect.
+    """Whether constants are open, and the rows lose much without an added effect.
 
     A standard error describes the misfit close to its minimum. The size of an effect that bends a curve (a stiffness, a
     level that decays with speed) may be known to a third only, in rows that nothing else explains.
     """
+    if not f.hypothesis.base.is_open:
+        return False
     return penalised_gain(fit(problem, f.hypothesis.without(name), 4, known=f), f) > DEPENDS
 
 
