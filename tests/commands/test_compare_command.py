@@ -79,7 +79,7 @@ def test_a_folder_of_traces_is_its_recordings(tmp_path, traces):
     done("compare", folder, *MODEL, "--to", "1", "--json", tmp_path / "c.json")
     compared = json.loads((tmp_path / "c.json").read_text())["recordings"]
     assert [recording["name"] for recording in compared] == ["one", "two"]
-    refused("compare", folder, *MODEL, "--json", folder / "one.CSV", naming=("is an input",))
+    refused("compare", folder, *MODEL, "--json", folder / "one.CSV", naming=("no JSON file",))
 
 
 def test_where_shows_what_tells_and_the_best_of_each_signal(tmp_path, ramp):

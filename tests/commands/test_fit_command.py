@@ -19,7 +19,7 @@ from tests.fitted_bench import SLOW, bench
     ("options", "words"),
     [
         ({"method": "magic"}, ("magic", "equation or simulation")),
-        ({"source": "voltage"}, ("voltage", "setpoint or current")),
+        ({"source": "voltage"}, ("voltage", "setpoint, current or command")),
         ({"free": ["machine.motor_inertai"]}, ("--free machine.motor_inertai", "machine.motor_inertia")),
         ({"fix": ["effects.backlash"]}, ("--fix effects.backlash", "no such number")),
         ({"fix": ["effects"]}, ("--fix effects",)),

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from ema_bench_replay.bags.bag_writer import write_mcap
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.effects import catalogue
 from ema_twin_sim.identification.candidates import candidates
 from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.model import load_model, save_model
@@ -149,3 +151,12 @@ def test_of_a_healthy_switching_bench_no_fault_is_named(stock):
 )
 def test_what_looks_like_a_fault_is_not_taken_for_one(stock, other, parameters):
     assert discover(recorded(stock.with_effect(other, parameters)), stock).added == (other,)
+
+
+@pytest.mark.parametrize(("effect", "times"), [("current_offset", 1.0), ("torque_ripple", 6.0)])
+def test_waves_of_the_electrical_angle_follow_the_machines_pole_pairs(effect, times):
+    """A model that names no pole pairs has the four of the bench's motor."""
+    act, angle = catalogue()[effect].act, 0.37
+    for pole_pairs, known in ((5.0, 5.0), (math.nan, 4.0)):
+        at = SimpleNamespace(motor_angle=angle, electrical_angle=pole_pairs * angle, motor_torque=-1.0)
+        assert act(at, (0.02, 0.4, 0.0, 0.0)) == pytest.approx(0.02 * math.sin(times * known * angle + 0.4))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.recording import POINTS, Recording
-from ema_twin_sim.measured.load_sensor import falls_with_load, follows_load
+from ema_twin_sim.measured.load_sensor import falls_with_load, follows_load, load_varies
 
 TIME = np.arange(8000) * 2e-3
 SWINGS = 1.2 * 0.9 * np.cos(0.9 * TIME)
@@ -57,17 +57,30 @@ def test_a_sensor_without_a_value_is_no_load():
     assert follows_load([nothing]) and not falls_with_load([nothing])
 
 
-def held(torque, load):
-    """Operating points at rest, as of a motor whose output is clamped to a torque sensor."""
-    signals = {"speed": np.zeros(len(torque)), "current": torque, "load_torque": load}
+def held(torque, load, speed=0.0):
+    """Operating points at rest, as of a motor whose output is clamped to a torque sensor, or at that ``speed``."""
+    signals = {"speed": np.full(len(torque), speed), "current": torque, "load_torque": load}
     return Recording("held", np.arange(len(torque)) * 10**9, signals, metadata={POINTS: "yes"})
 
 
 @pytest.mark.parametrize(("sign", "turned"), [(1.0, False), (-1.0, True)])
 def test_a_few_points_at_rest_tell_it_as_well(sign, turned):
-    torque = np.linspace(-20.0, 20.0, 9)
+    torque = np.linspace(-20.0, 20.0, 12)
     load = 1.1 * torque - 0.006 * torque * np.abs(torque)
     assert falls_with_load([held(torque, sign * load)]) is turned
-    assert not falls_with_load([held(torque[:5], sign * load[:5])])  # as many numbers as points
+    assert not falls_with_load([held(torque[:6], sign * load[:6])])  # too few beside the numbers fitted to them
     scattered = load * np.random.default_rng(2).choice([-1.0, 1.0], len(load))
     assert not falls_with_load([held(torque, scattered)])
+
+
+def test_points_of_a_screw_that_only_lowers_tell_nothing():
+    """It locks itself: the heavier the load, the more torque drives it down."""
+    load = np.linspace(10.0, 100.0, 20)
+    assert not falls_with_load([held(-0.3 * load, load, speed=-5.0)])
+    assert falls_with_load([held(-0.3 * load, load, speed=-5.0), held(-0.3 * load, load, speed=5.0)])
+
+
+@pytest.mark.parametrize("load", [np.zeros(9), np.full(9, 2.0), np.full(9, np.nan)])
+def test_a_load_that_does_not_change_is_none_to_tell_by(load):
+    assert not load_varies(held(np.ones(9), load))
+    assert load_varies(held(np.ones(9), np.arange(9.0)))

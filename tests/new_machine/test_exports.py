@@ -200,6 +200,7 @@ def test_words_of_other_languages_tell_setpoints_from_what_was_measured():
 def test_torque_in_the_units_of_small_and_hobby_motors(unit, read, size):
     words = header_words(f"output torque [{unit}]")
     assert (words.unit, words.quantity) == (read, "torque")
+    assert header_words(f"output_torque_{read.replace(' ', '_')}").unit == read
     assert units_of("load_torque")[read] == pytest.approx(size)
 
 

@@ -72,7 +72,7 @@ def test_a_misspelt_column_is_told(own, tmp_path, header, near):
     recording = load(path, import_map=own(MAP))
     assert not recording.has("motor_torque")
     (warning,) = [warning for warning in recording.warnings if "motor torque" in warning]
-    assert "the map 'own' reads the motor torque from 'force.*' or 'voltage', which is not there" in warning
+    assert "the map 'own' reads the motor torque from 'force.*' or 'voltage', none of which is there" in warning
     assert warning.endswith("correct the map if 'Voltge' is meant" if near else "the recording is read without it")
 
 

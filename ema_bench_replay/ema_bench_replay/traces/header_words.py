@@ -53,7 +53,7 @@ _SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
     "m/min": ("speed", ("m/min",)),
     "N m": ("torque", ("nm", "n m", "n*m", "n.m", "n·m", "newtonmeter", "newtonmetre", "n-m")),
     "mN m": ("torque", ("mnm", "mn m", "mn*m", "mn·m", "mn.m")),
-    "uN m": ("torque", ("unm", "un m", "µnm", "µn m", "µn*m", "µn·m")),
+    "uN m": ("torque", ("unm", "un m", "un*m", "un·m", "un.m", "µnm", "µn m", "µn*m", "µn·m", "µn.m")),
     "N cm": ("torque", ("ncm", "n cm", "n*cm", "n·cm", "n.cm", "n-cm")),
     "N mm": ("torque", ("nmm", "n mm", "n*mm", "n·mm", "n.mm", "n-mm")),
     "kN m": ("torque", ("knm", "kn m", "kn*m", "kn·m")),
@@ -62,10 +62,12 @@ _SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
     "lbf ft": ("torque", ("lbf ft", "lbf*ft", "lbf·ft", "lbf.ft", "lbf-ft", "ft lbf", "ft·lbf", "ft-lbf",
                           "lb-ft", "ft-lb")),
     "ozf in": ("torque", ("ozf in", "ozf·in", "ozf-in", "oz in", "oz·in", "oz-in", "in oz", "in-oz")),
-    "kgf m": ("torque", ("kgf m", "kgfm", "kgf*m", "kgf·m", "kgf.m", "kgf-m", "kgm", "kg m", "kg·m", "kg-m")),
+    "kgf m": ("torque", ("kgf m", "kgfm", "kgf*m", "kgf·m", "kgf.m", "kgf-m", "kgm", "kg m", "kg*m", "kg·m",
+                         "kg.m", "kg-m")),
     "kgf cm": ("torque", ("kgf cm", "kgfcm", "kgf*cm", "kgf·cm", "kgf.cm", "kgf-cm", "kgcm", "kg cm", "kg*cm", "kg·cm",
                           "kg.cm", "kg-cm")),
-    "gf cm": ("torque", ("gf cm", "gfcm", "gf*cm", "gf·cm", "gf.cm", "gf-cm", "gcm", "g cm", "g·cm", "g-cm")),
+    "gf cm": ("torque", ("gf cm", "gfcm", "gf*cm", "gf·cm", "gf.cm", "gf-cm", "gcm", "g cm", "g*cm",
+                         "g·cm", "g.cm", "g-cm")),
     "N": ("torque", ("n", "newton", "newtons")),
     "mN": ("torque", ("mn",)),
     "kN": ("torque", ("kn",)),
@@ -157,10 +159,12 @@ def _without_unit(text: str) -> tuple[str, str | None, bool, str]:
 
 
 def _unit_in_underscores(text: str) -> str | None:
-    """The unit of ``rad_s``, ``rad_per_s`` or ``N_m``."""
+    """The unit of ``rad_s``, ``rad_per_s``, ``N_m`` or ``kgf_cm``."""
     if "_" not in text:
         return None
-    as_torque = _unit(text.replace("_", " ")) if re.fullmatch(r"[mk]?N_c?m", text, re.IGNORECASE) else None
+    as_torque = (
+        _unit(text.replace("_", " ")) if re.fullmatch(r"[mkuµ]?N_[cm]?m|k?gf?_c?m", text, re.IGNORECASE) else None
+    )
     return as_torque or _unit(text.replace("_per_", "/").replace("_", "/"))
 
 

@@ -42,6 +42,8 @@ _REPEATED = 0.1
 # Share of rows at the end that may all tell the same time: a clock that stopped before the log did.
 _STOPPED = 0.5
 # Similarity of two names (difflib's ratio) from which one may be a misspelling of the other.
+_NEEDED = frozenset({"motor_position", "output_position", "speed", "current", "motor_torque"})
+"""Signals without which a twin is compared with less than its recording was made for."""
 _NEARLY_THE_SAME = 0.85
 
 
@@ -195,7 +197,8 @@ class _Trace:
     def _report_missing(self, signal: SignalMap) -> None:
         """Warn that none of this signal's columns is there, with the nearest name of a column that no signal reads.
 
-        A drive's parameters are traced or not, as chosen for each trace: they are not missed.
+        A drive's parameters are traced or not, as chosen for each trace: they are not missed. Nor is a signal that
+        nothing needs, unless a column has nearly its name.
         """
         if any(column.is_parameter for column in signal.columns):
             return
@@ -208,8 +211,11 @@ class _Trace:
             for column in signal.columns
             for name in get_close_matches(column.plain.lower(), spare, n=1, cutoff=_NEARLY_THE_SAME)
         ]
+        if not near and signal.signal not in _NEEDED:
+            return
         remedy = f"correct the map if {near[0]!r} is meant" if near else "the recording is read without it"
-        self._warn(f"the map {self.map.name!r} reads the {signal_words} from {missed}, which is not there; {remedy}")
+        none = "which is" if len(signal.columns) == 1 else "none of which is"
+        self._warn(f"the map {self.map.name!r} reads the {signal_words} from {missed}, {none} there; {remedy}")
 
     def _report_unit(self, signal: SignalMap, column: str) -> None:
         """Warn if the column's header tells another unit than the map."""

@@ -15,7 +15,7 @@ import typer
 from ema_bench_replay.errors import InputError
 
 from . import options
-from .output import counted, say, status, warn
+from .output import COMMAND, counted, say, status, warn
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -243,4 +243,5 @@ def _tell(counts: Counter[str], output: Path) -> None:
         say(f"{', '.join(told)}.")
     else:
         say("Nothing is left to do.")
-    say(f"Results are in {output}. To list the units:\n  ema-twin units {quote(str(output))}")
+    say(f"Results are in {output}. To list the units:")
+    say(f"{COMMAND}units {quote(str(output))}")

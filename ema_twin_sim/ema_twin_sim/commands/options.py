@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -55,10 +56,11 @@ def effect_names(incomplete: str) -> list[str]:
 def of_json(path: Path | None) -> Path | None:
     """A path for JSON; a usage error if a file is there that holds something else, which would be lost."""
     if path is not None and path.is_file():
-        with path.open("rb") as file:
-            begins = file.read(1024).lstrip()[:1]
-        if begins not in (b"", b"{", b"["):
-            raise typer.BadParameter(f"{path} exists and is no JSON file; give another name")
+        try:
+            text = path.read_text("utf-8-sig")
+            json.loads(text or "null")
+        except (OSError, ValueError):
+            raise typer.BadParameter(f"{path} exists and is no JSON file; give another name") from None
     return path
 
 

@@ -12,14 +12,16 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.beyond_noise import told_share
 from ..comparison.running_comparison import share_removed
-from ..criteria import CLEARLY_MORE
+from ..criteria import CLEARLY_MORE, STANDSTILL
 from ..identification.fit import Fit, fit
 from ..identification.uncertainty import held_out
 from ..identification.unseen_encoders import parting
+from ..measured.observation import Observation
 from ..model import Model
 from ..model.matching import by_torque
 from ..model.own_units import in_si, shown
 from ..parallel import simulations
+from ..plant.measured_motion import SPEED, TIME
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
 from .search.trace import Search
 
@@ -35,6 +37,9 @@ class Unseen:
     ``output`` is the pooled RMSE of the output position [rad]; empty if it was not measured. If the current drives the
     twin, whose positions then drift, ``encoders`` is True and ``output`` is the encoder difference that the model does
     not explain.
+
+    ``moving`` is the RMSE that decides. It leaves out standstill if the current drives the twin: rigid friction at rest
+    balances any torque below its level, so that whatever describes standstill better would only seem worse there.
     """
 
     signal: str
@@ -47,7 +52,8 @@ class Unseen:
     given: float
     given_recordings: tuple[float, ...]
     given_output: float | None
-    judged_from: float  # reference of the end: the given model; if constants are open, all fitted
+    moving: tuple[float, ...]
+    judged_from: float  # reference of the end, by ``moving``: the given model; if constants are open, all fitted
     judged_from_output: float | None
 
     @property
@@ -67,7 +73,7 @@ class Unseen:
         Closer in the main signal or in the encoder difference; or clearly closer in the output position without being
         farther in the main signal.
         """
-        if self.rmse[-1] < self._decided(0):
+        if self.moving[-1] < self._decided(0):
             return True
         if self.encoders:
             return self.output[-1] < self._decided_output(0)
@@ -78,11 +84,11 @@ class Unseen:
     @property
     def worsens(self) -> bool:
         """Whether the end is clearly farther from the recordings than the start."""
-        return self.rmse[-1] > CLEARLY_MORE * max(self._decided(0), self.noise_floor)
+        return self.moving[-1] > CLEARLY_MORE * max(self._decided(0), self.noise_floor)
 
     def removed(self, before: int, after: int) -> float | None:
         """Share of the excess above the noise floor that was removed between two rounds; None if there is no excess."""
-        return share_removed(self._decided(before), self.rmse[after], self.noise_floor)
+        return share_removed(self._decided(before), self.moving[after], self.noise_floor)
 
     def output_removed(self, before: int, after: int) -> float:
         """Share, in power, of the output's error that was removed between two rounds; 0 if it is not judged.
@@ -98,7 +104,7 @@ class Unseen:
         return _told(share_removed(self.rmse[turn], self.rmse[turn + 1], self.noise_floor))
 
     def _decided(self, turn: int) -> float:
-        return self.rmse[turn] if turn else self.judged_from
+        return self.moving[turn] if turn else self.judged_from
 
     def _decided_output(self, turn: int) -> float:
         return self.output[turn] if turn or self.judged_from_output is None else self.judged_from_output
@@ -117,6 +123,7 @@ class Unseen:
             given=per * self.given,
             given_recordings=tuple(per * value for value in self.given_recordings),
             given_output=None if self.given_output is None else way * self.given_output,
+            moving=tuple(per * value for value in self.moving),
             judged_from=per * self.judged_from,
             judged_from_output=None if self.judged_from_output is None else way * self.judged_from_output,
         )
@@ -132,6 +139,7 @@ class Unseen:
             recordings=tuple((name, tuple(constant * value for value in values)) for name, values in self.recordings),
             given=constant * self.given,
             given_recordings=tuple(constant * value for value in self.given_recordings),
+            moving=tuple(constant * value for value in self.moving),
             judged_from=constant * self.judged_from,
         )
 
@@ -161,22 +169,37 @@ def _told(share: float | None) -> float | None:
     return None if share is None else told_share(share)
 
 
-def squares(model: Model, recording: Recording, source: str, signals: Sequence[str]) -> np.ndarray:
+def squares(
+    model: Model, recording: Recording, source: str, signals: Sequence[str], moving: np.ndarray | None = None
+) -> np.ndarray:
     """(sum of squared errors, samples) of a simulated loop for each signal, one after the other (2 s,).
 
-    NaN if the motion cannot be simulated with these numbers.
+    With ``moving`` (n,) two more follow: the same of the first signal in these samples alone. NaN if the motion cannot
+    be simulated with these numbers.
     """
     try:
         twin = simulate(model, recording, source)
     except InputError:
-        return np.full(2 * len(signals), np.nan)
-    found = []
+        return np.full(2 * len(signals) + (0 if moving is None else 2), np.nan)
+    residuals = []
     for name in signals:
         measured = 0.0 if name == "unexplained_torque" else recording.signals.get(name, np.nan)
-        residual = np.asarray(measured - twin.signals.get(name, np.nan))
-        residual = residual[np.isfinite(residual)]
-        found += [float(residual @ residual), len(residual)]
+        residuals.append(np.asarray(measured - twin.signals.get(name, np.nan)))
+    if moving is not None:
+        residuals.append(residuals[0][moving])
+    found = []
+    for residual in residuals:
+        counted = residual[np.isfinite(residual)]
+        found += [float(counted @ counted), len(counted)]
     return np.array(found)
+
+
+def _moving(o: Observation, recording: Recording, model: Model) -> np.ndarray:
+    """Samples (n,) of a recording (SI) in which its motor moves; ``o`` is in the own units of the ``model``."""
+    if o.of_points:
+        return np.ones(len(recording), bool)
+    second, _ = shown(model, 1.0, "s")
+    return np.interp(recording.time / second, o.motion[:, TIME], np.abs(o.motion[:, SPEED])) >= STANDSTILL
 
 
 def judge_unseen(
@@ -203,7 +226,12 @@ def judge_unseen(
     fits: list[Fit] = [found.rounds[0].before, *(turn.after for turn in found.taken)]
     if len(fits) == 1 or fits[-1] is not found.fit:
         fits.append(found.fit)
-    jobs: list[tuple[Recording, str, Model]] = [(*job, given) for job in zip(recordings, inputs, strict=True)]
+    moving = [
+        _moving(o, recording, base) if driven else np.ones(len(recording), bool)
+        for o, recording in zip(problem.observations, recordings, strict=True)
+    ]
+    cases = list(zip(recordings, inputs, moving, strict=True))
+    jobs: list[tuple[Recording, str, np.ndarray, Model]] = [(*case, given) for case in cases]
     of_output: list[float] = []
     for f in fits:
         untouched = as_given and f is found.fit
@@ -213,13 +241,13 @@ def judge_unseen(
         if driven and problem.rows > problem.size:
             of_output.append(parting(problem, f, numbers))
         jobs += [
-            (recording, source, given if untouched else in_si(f.hypothesis.at(values).model()))
-            for recording, source, values in zip(recordings, inputs, numbers, strict=True)
+            (*case, given if untouched else in_si(f.hypothesis.at(values).model()))
+            for case, values in zip(cases, numbers, strict=True)
         ]
 
     signals = (signal, "output_position")
-    table = np.array(list(simulations(lambda job: squares(job[2], job[0], job[1], signals), jobs)))
-    table = table.reshape(1 + len(fits), len(recordings), len(signals), 2)
+    table = np.array(list(simulations(lambda job: squares(job[3], job[0], job[1], signals, job[2]), jobs)))
+    table = table.reshape(1 + len(fits), len(recordings), len(signals) + 1, 2)
     squared, counts = table[..., 0], table[..., 1]
     each = np.sqrt(squared[:, :, 0] / np.maximum(counts[:, :, 0], 1))
     pooled = np.sqrt(squared.sum(axis=1) / np.maximum(counts.sum(axis=1), 1))
@@ -231,7 +259,7 @@ def judge_unseen(
             *of_output,
         ]
     first = int(base.is_open)
-    judged_from = float(pooled[first, 0]), of_output[first] if of_output else None
+    judged_from = float(pooled[first, -1]), of_output[first] if of_output else None
     if as_given or not pooled[1, 0] < pooled[0, 0]:  # fitting open constants while an effect is missing may mislead
         pooled[1], each[1] = pooled[0], each[0]
         of_output[1:2] = of_output[:1]
@@ -246,6 +274,7 @@ def judge_unseen(
         float(pooled[0, 0]),
         tuple(float(value) for value in each[0]),
         of_output[0] if of_output else None,
+        tuple(float(value) for value in pooled[1:, -1]),
         *judged_from,
     )
     if signal == "current" and by_torque(recordings):

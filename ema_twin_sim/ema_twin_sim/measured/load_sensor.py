@@ -21,6 +21,7 @@ from .spoilt_samples import despiked
 _WIDTH = 10.0  # samples over which all is smoothed, at least
 _SHARE = 0.002  # the same as a share of the recording
 _ENDS = 4.0  # widths at each end that are left out
+_FEWEST_POINTS = 8  # more than numbers fitted to them
 _SPEED = 1  # column of a row
 _MOTION = 5  # columns for the motion: acceleration, speed, its sign, a constant, and drift
 
@@ -57,19 +58,28 @@ def times_current(recordings: Sequence[Recording]) -> float | None:
     return factor if rest @ rest <= NEGLIGIBLE**4 * float(np.sum((load - load.mean()) ** 2)) else None
 
 
+def load_varies(recording: Recording) -> bool:
+    """Whether a recording has a load that changes: a sensor that bears none, or always the same, tells nothing."""
+    load = recording.signals["load_torque"] if recording.has("load_torque") else np.zeros(0)
+    load = load[np.isfinite(load)]
+    return len(load) > 1 and float(np.ptp(load)) > NEGLIGIBLE * float(np.abs(load).max())
+
+
 def falls_with_load(recordings: Sequence[Recording]) -> bool:
     """Whether the drive's torque falls where the load rises, so that the sensor has the opposite sign.
 
     Whatever moves a machine, its drive must hold the opposing load in addition to inertia and friction. A self-locking
     screw, however, is driven down against its load but not up. So the fall must be significant in each direction
-    separately. Operating points, which may be at rest, are judged together, since a screw takes more to drive up than
-    down.
+    separately. Operating points at rest have none.
     """
-    if points := [_rows_of_points(r) for r in recordings if r.of_points]:
-        return _points_surely_fall(np.concatenate(points))
-    rows = _all_rows(recordings)
+    points = [_rows_of_points(r) for r in recordings if r.of_points]
+    rows = np.concatenate(points) if points else _all_rows(recordings)
     forward = rows[:, _SPEED] > 0.0
-    return all(_surely_falls(part) for part in (rows[forward], rows[~forward]))
+    if not points:
+        return all(_surely_falls(part) for part in (rows[forward], rows[~forward]))
+    moving = rows[:, _SPEED] != 0.0
+    parts = (rows[moving & forward], rows[moving & ~forward]) if moving.any() else (rows,)
+    return all(_points_surely_fall(part) for part in parts)
 
 
 def _likeness(recordings: Sequence[Recording]) -> float | None:
@@ -90,9 +100,9 @@ def _surely_falls(rows: np.ndarray) -> bool:
 
 
 def _points_surely_fall(rows: np.ndarray) -> bool:
-    """The same for operating points, which are independent, so that a few suffice."""
-    free = len(rows) - _MOTION - 1
-    likeness = _likeness_of(rows) if free > 0 else None
+    """The same for operating points, which are independent, so that fewer suffice."""
+    free = len(rows) - 1 - int(rows[:, :_MOTION].any(axis=0).sum())
+    likeness = _likeness_of(rows) if free >= _FEWEST_POINTS else None
     if likeness is None or likeness > -PART:
         return False
     return likeness**2 * free >= SIGNIFICANT**2 * (1.0 - likeness**2)

@@ -14,6 +14,7 @@ from ..effects.catalogue import is_own
 from ..model import Model
 from ..simulation.behind_motor import of_encoders_alone
 from ..simulation.operating_points import moves
+from .load_sensor import load_varies
 
 PLACES = frozenset({"order", "output_position", "encoders"})
 """Quantities whose effects do not show if no position is known."""
@@ -46,7 +47,7 @@ def _not_at_points(recordings: Sequence[Recording], model: Model) -> frozenset[s
     if not all(recording.of_points for recording in recordings):
         return frozenset()
     hidden = effects_with(Trait.TRANSIENT) | effects_with(Trait.BY_CURRENT)
-    if any(recording.has("current") and recording.has("load_torque") for recording in recordings):
+    if any(recording.has("current") and load_varies(recording) for recording in recordings):
         hidden -= effects_with(Trait.TORQUE_FACTOR)  # the load sensor tells how much torque an ampere gives
     if not any(moves(recording, model.value("sensors.speed_noise")) for recording in recordings):
         hidden |= effects_with(Trait.NOT_AT_REST)

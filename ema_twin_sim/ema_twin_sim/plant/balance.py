@@ -30,6 +30,7 @@ from .transmission import end_stop_torque
 
 BALANCE_LAG = 0.005  # s, each of the two lags: together about 20 Hz, above the variation of friction and loads
 COUNTER_LAG = 0.020  # s, if the speed is a counter's difference
+STANDSTILL = 0.05  # rad/s of the fast shaft; below, the shaft counts as held by dry friction
 
 
 @njit(error_model="numpy")
@@ -48,10 +49,10 @@ def lagged_line(value, input_before, input_now, interval, time_constant):
 
 
 @njit(error_model="numpy")
-def unbalanced_torque(driving, speed, viscous, dry, break_away, still):
-    """Torque [N m] left by friction to accelerate the measured motion, before filtering; ``still`` at standstill."""
+def unbalanced_torque(driving, speed, viscous, dry, break_away):
+    """Torque [N m] left by friction to accelerate the measured motion, before filtering."""
     torque = driving - viscous * speed
-    if still:
+    if math.fabs(speed) < STANDSTILL:
         return held_by_dry_friction(torque, break_away)
     return torque - dry * (1.0 if speed > 0.0 else -1.0)
 
@@ -194,18 +195,12 @@ def _unexplained(plant, state, effects, before, now, simulated_angle, interval, 
     if not has_speed:
         driving = counter_torque(state, driving, interval)
     share = 1.0 if rigid else bristle_share(plant)
-    stiffness = plant.bristle_stiffness * share
-    still = math.fabs(sharp) < plant.standstill
     uneven, bent, dry, break_away, state.driven_bristle = rubbing(
-        sharp, driving - passed, plant.asymmetry, viscous + thinned, dry, break_away, stiffness > 0.0 and not still,
-        state.driven_bristle, stiffness, plant.bristle_damping * share, interval,
+        sharp, driving - passed, plant.asymmetry, viscous + thinned, dry, break_away, plant.bristle_stiffness > 0.0,
+        state.driven_bristle, plant.bristle_stiffness * share, plant.bristle_damping * share, interval,
     )  # fmt: skip
     passed = passed + uneven + bent
-    if stiffness > 0.0 and still:
-        # no sensor shows how far a bristle bends at rest; it is as far as the torque that it balances bends it
-        break_away = dry
-        state.driven_bristle = min(max(driving - passed, -dry), dry) / stiffness
-    unbalanced = unbalanced_torque(driving - passed, sharp, viscous, dry, break_away, still)
+    unbalanced = unbalanced_torque(driving - passed, sharp, viscous, dry, break_away)
     return filtered_balance(state, unbalanced, speed, inertia, interval, has_speed, smoothing)
 
 

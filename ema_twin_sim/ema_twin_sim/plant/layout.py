@@ -58,7 +58,6 @@ PLANT = np.dtype(
         ("angle_errors", "i8"),  # number of waves in angle_error of the output encoder
         ("angle_error", "f8", (ANGLE_ERRORS, 3)),  # amplitude [rad, slow shaft], phase [rad], order
         ("speed_smoothing", "f8"),  # s
-        ("standstill", "f8"),  # rad/s of the fast shaft: below, a measured motion counts as held by dry friction
     ],
     align=True,
 )

@@ -10,7 +10,6 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 
-from ..criteria import SIGNIFICANT
 from ..effects import Effect, Trait, catalogue, mesh_friction, the_effect
 from ..effects.catalogue import is_own
 from ..model import EffectInstance, Model
@@ -20,8 +19,6 @@ from ..plant.operating_point import PARAMETER_SLOTS, compile_effect
 from .fidelity import FineParts, fine_parts
 from .lumped_train import lump_train
 
-STANDSTILL = 0.05
-"""rad/s of the motor, if its speed's noise is not stated: some times that of the bench's drive."""
 _SAME_NAME = (
     "machine.gear_ratio",
     "machine.output_inertia",
@@ -79,7 +76,6 @@ def assemble(model: Model, *, by_current: bool = False) -> Assembly:
     turn = 2.0 * math.pi / model.turn  # the plant's counts refer to a revolution
     record["motor_counts"] = turn * model.value("sensors.motor_encoder_counts")
     record["output_counts"] = turn * model.value("sensors.output_encoder_counts")
-    record["standstill"] = _standstill(model)
     for side, none in (("lower", -np.inf), ("upper", np.inf)):
         stop = model.constants.get(f"transmission.end_stop_{side}")
         record[f"end_stop_{side}"] = none if stop is None else stop.value
@@ -103,13 +99,6 @@ def assemble(model: Model, *, by_current: bool = False) -> Assembly:
         balanced.append((mesh_friction.EFFECT.where({}), effect_address(mesh_friction.EFFECT), [loss, 0.0, 0.0, 0.0]))
     _check(model, record)
     return Assembly(plant, _effects(balanced), _effects(acting), fine)
-
-
-def _standstill(model: Model) -> float:
-    """Speed [rad/s] below which a measured motion has no direction: within the noise of the unsmoothed speed."""
-    noise = model.value("sensors.speed_noise")
-    lags = model.value("sensors.speed_smoothing") / model.value("sensors.sample_period")
-    return SIGNIFICANT * noise * math.hypot(1.0 + lags, lags) if noise > 0.0 else STANDSTILL
 
 
 def _effects(acting: list[tuple[int, int, list[float]]]) -> Effects:

@@ -20,6 +20,7 @@ from ema_twin_sim.criteria import (
 )
 from ema_twin_sim.discovery.criteria import worth
 from ema_twin_sim.discovery.criteria.worth import has_effect_size, is_lacked
+from ema_twin_sim.plant.measured_motion import MOTION, MOTOR_ANGLE
 from tests.fits_by_hand import a_fit, a_hypothesis, a_problem
 
 ROWS = 100
@@ -170,6 +171,21 @@ class TestNoSize:
         )
         after.hypothesis = replace(after.hypothesis, free=free)
         assert has_effect_size(a_problem(ROWS), before, after)
+
+    @pytest.mark.parametrize(("explained", "enough"), [((0.0, 8.0), False), ((0.9, 8.0), False), ((8.0, 8.0), True)])
+    def test_a_wave_must_explain_what_it_repeats_in(self, explained, enough, stock):
+        """Of two recordings the first shows many cycles of it, and the second a bend."""
+        model = replace(stock, orders={}, other_orders=True)
+        before, after = step(model, 8.0, "cogging")
+        before.raw = np.sqrt(1.0 + np.repeat(explained, ROWS // 2) ** 2)
+        problem = a_problem(ROWS // 2, ROWS // 2)
+        (order,) = (float(i.options["order"]) for i in after.hypothesis.added.values())
+        for o, cycles in zip(problem.observations, (9.0, 1.0), strict=True):
+            o.motion = np.zeros((ROWS // 2, len(MOTION)))
+            o.motion[:, MOTOR_ANGLE] = np.linspace(0.0, 2.0 * math.pi * cycles / order, ROWS // 2)
+        assert has_effect_size(problem, before, after) is enough
+        before.hypothesis, after.hypothesis = (replace(f.hypothesis, base=stock) for f in (before, after))
+        assert has_effect_size(problem, before, after)  # an order that is known need not repeat
 
     @pytest.mark.parametrize(("output", "motor"), [(4096.0, 65536.0), (1e9, 16.0)])
     def test_an_angle_error_of_less_than_a_count_is_rounding(self, output, motor, stock, monkeypatch):

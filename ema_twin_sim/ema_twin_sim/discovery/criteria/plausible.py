@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import cache
 
 import numpy as np
 
@@ -70,6 +71,7 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
     If two effects can replace each other, the later one goes first, because it explains less.
     """
     away = {}
+    needed_by_rows = cache(lambda name: _needed(problem, f, name))
     sure = SIGNIFICANT if f.hypothesis.base.is_open else LIKELY
     spread = covariance(problem, f)
     paths = [free.path for free in f.hypothesis.free]
@@ -96,11 +98,11 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
             needed = 1.0 if periodic else 0.0 if shape and math.isfinite(size.upper) else LIKELY
             hardly_known = abs(off) < needed * math.sqrt(max(float(spread[k, k]), 0.0))
             sureness = math.inf if periodic else _sureness(f, spread, off, k, shape)
-            if hardly_known or (sureness < sure and not (sureness >= LIKELY and _needed(problem, f, name))):
+            if hardly_known or (sureness < sure and not (sureness >= LIKELY and needed_by_rows(name))):
                 del away[name]
                 yield name
     for name in sorted(away, key=away.__getitem__):
-        if away[name] < SIGNIFICANT and not (away[name] >= LIKELY and _needed(problem, f, name)):
+        if away[name] < SIGNIFICANT and not (away[name] >= LIKELY and needed_by_rows(name)):
             yield name
 
 

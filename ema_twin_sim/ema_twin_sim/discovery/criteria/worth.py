@@ -242,7 +242,7 @@ def _hardly_repeats(problem: EquationErrorProblem, before: Fit, after: Fit, name
     for o, part in zip(problem.observations, problem.torque_parts, strict=True):
         turns = float(np.ptp(o.motion[:, MOTOR_ANGLE])) / (2.0 * math.pi)
         there[turns * order >= FEWEST_CYCLES] += float(fell[part].sum())
-    return there[True] < PART * sum(there.values())
+    return there[True] < PART * max(sum(there.values()), 0.0)
 
 
 def _does_nothing(f: Fit, name: str) -> bool:

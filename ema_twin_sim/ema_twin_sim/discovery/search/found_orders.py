@@ -18,6 +18,7 @@ from ...model import Model
 from ...model.roles import SENSOR_WAVE
 from ...plant.layout import OUTPUT_TORQUE
 from ...plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED
+from ..criteria.worth import FEWEST_CYCLES
 
 HIGHEST = 160
 HIGHEST_OF_MOTOR = 24  # of the motor's encoder
@@ -139,7 +140,7 @@ def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], model:
         by_turns = repeats and effect.depends_on != "output_position"
         order = motor_order(c.effect, float(c.options.get("order", 1.0)), model.value("machine.gear_ratio"))
         # Gravity, which has no free order, is known to exist; a slow bend of torque over angle looks like a wave.
-        unseen = model.other_orders and turns * order < 2.0 and (by_turns or "order" in c.options)
+        unseen = model.other_orders and turns * order < FEWEST_CYCLES and (by_turns or "order" in c.options)
         if (by_turns and turns < FEWEST_TURNS and turns * order < MANY_CYCLES) or (repeats and unseen):
             return False
         return "order" not in c.options or order < highest

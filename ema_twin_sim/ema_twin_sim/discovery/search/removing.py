@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -57,7 +58,8 @@ def _shaft_for_teeth(found: Search) -> Search:
             if part.stop > part.start
         ]
         width = instance.parameters[catalogue()[instance.effect].parameters[0].name]
-        if turn is None or not noise or not only_teeth(problem, f, name):
+        narrow = bool(noise) and width <= TOO_MUCH * max(noise)
+        if turn is None or not noise or not (narrow or _shaft_came_near(turn)) or not only_teeth(problem, f, name):
             continue
         tried = {id for turn in found.rounds for trial in turn.tried for id in trial.fit.hypothesis.effects}
         if SPRING not in tried:  # it may not be named
@@ -65,12 +67,18 @@ def _shaft_for_teeth(found: Search) -> Search:
         teeth = {key: f.hypothesis.by_path[f"contact.{key}"] for key in ("stiffness", "damping")}
         shaft = fit(problem, f.hypothesis.without(name).with_effect(SPRING, {}, teeth))
         bare = fit(problem, f.hypothesis.without(name))
-        narrow = width <= TOO_MUCH * max(noise)
         if penalised_gain(bare, shaft) >= (MOSTLY if narrow else 1.0) * max(penalised_gain(bare, f), 0.0):
-            instead = swapped(found, shaft, SURER)
+            instead = swapped(found, shaft, SURER if narrow else BEATEN)
             if SPRING in instead.fit.hypothesis.effects:
                 return instead
     return found
+
+
+def _shaft_came_near(turn: Round) -> bool:
+    """Whether a compliant shaft gained about as much as what a round took."""
+    shafts = [t.gain for t in turn.tried if [i.effect for i in t.fit.hypothesis.added.values()].count(SPRING)]
+    took = max((trial.gain for trial in turn.tried if trial.names == turn.added), default=math.inf)
+    return max(shafts, default=-math.inf) >= MOSTLY * took
 
 
 def _sure_instead(found: Search, name: str) -> Search | None:

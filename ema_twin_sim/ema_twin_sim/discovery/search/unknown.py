@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -66,28 +66,29 @@ def beside_the_unknown(
     after, rounds, bases = _add_dependences(found.fit, bases, progress)
     held = {*found.fit.hypothesis.added}
     beside = significant(found.further(after, rounds))
-    if any(_explains_most(found, after, name) for name in held - {*beside.fit.hypothesis.added}):
-        # several bases together span almost any effect, which is no reason to prefer them to one that does it alone
-        beside = replace(beside, fit=found.fit, rounds=found.rounds)
-    depends_on = tuple(dict.fromkeys(dependence(name) for name in after.hypothesis.generic_bases))
-    found = beside
+    spanned = _explains_most(found, after, held - {*beside.fit.hypothesis.added})
+    # several bases together span almost any effect, which is no reason to prefer them to one that does it alone
+    told = after if spanned else beside.fit
+    found = found if spanned else beside
     if came := {*found.fit.hypothesis.added} - held:  # in place of an uncertain one; not checked yet
         found = less(found, [name for name in _doubtful(_without_dependences(found)) if name in came], LIKENESS)
     problem = found.problem.with_generic_bases(bases)
+    depends_on = tuple(dict.fromkeys(dependence(name) for name in told.hypothesis.generic_bases))
     suspect = {*depends_on, *strained(found.fit), *(["encoders"] if apart(problem, found.fit, start) else [])}
     # to a fit, something that comes and goes is an outlier and no lasting dependence
     passing = ("time",) if not suspect and episodes(problem, found.fit) else ()
     return found, depends_on or tuple(sorted(suspect)) or passing or _most_likely(problem, found.fit)
 
 
-def _explains_most(found: Search, after: Fit, name: str) -> bool:
-    """Whether an effect alone explains most of the torque that all effects and generic bases of a later fit explain."""
+def _explains_most(found: Search, after: Fit, names: Collection[str]) -> bool:
+    """Whether one of these effects explains most of the torque that all effects and bases of a later fit explain."""
     h = found.fit.hypothesis
     bare = h
-    for other in h.added:
-        bare = bare.without(other)
-    null, less = fit(found.problem, bare), fit(found.problem, h.without(name))
-    return less.misfits[0] - found.fit.misfits[0] >= MOSTLY * (null.misfits[0] - after.misfits[0]) > 0.0
+    for name in h.added if names else ():
+        bare = bare.without(name)
+    most = MOSTLY * (fit(found.problem, bare).misfits[0] - after.misfits[0]) if names else 0.0
+    without = (fit(found.problem, h.without(name)).misfits[0] for name in names)
+    return most > 0.0 and any(misfit - found.fit.misfits[0] >= most for misfit in without)
 
 
 def _add_dependences(
