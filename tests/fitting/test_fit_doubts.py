@@ -38,6 +38,11 @@ def test_a_fit_that_holds_on_its_own_recordings_only_says_so():
     assert note.startswith("on what was not fitted to") and "current" in note and "that of the speed" in note
 
 
+def test_where_as_many_signals_are_nearer_there_the_model_as_it_was_is_not():
+    own = errors(0.016, 0.5), errors(0.010, 0.4)
+    assert no_nearer(*own, errors(0.016, 0.5), errors(0.020, 0.2), by_equation=False, hit=False) == []
+
+
 @pytest.mark.parametrize(
     ("before", "after"),
     [

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ..comparison.beyond_noise import times_noise, times_words
 from ..comparison.running_comparison import SignalError
 from ..criteria import NEGLIGIBLE, NOISY, TOO_MUCH
@@ -12,23 +14,25 @@ from .unseen import Errors
 def no_nearer(
     own_before: Errors, own_after: Errors, before: Errors, after: Errors, *, by_equation: bool, hit: bool
 ) -> list[str]:
-    """A note if signals are farther off after a fit: on its ``own`` recordings, or else where it was not fitted to.
+    """A note if signals are farther off after a fit: on its ``own`` recordings, or else more of them than are nearer
+    where it was not fitted to.
 
     Errors are in the units of the model's file. ``by_equation``: the fit left out standstill, which the errors count;
     ``hit``: teeth meet in the model.
     """
-    if farther := _farther(own_before, own_after):
+    if farther := _grew(own_before, own_after):
         why = "an effect may be missing, for which discover looks"
         if by_equation:
             why = "standstill counts here, and a fit leaves it out"
         elif hit:
             why = "teeth that meet 1 ms too early or too late can cause this"
         return [
-            f"the fit does not bring the model nearer to these recordings: the error of the {farther}; {why}. Keep the "
-            "model as it was"
+            "the fit does not bring the model nearer to these recordings: the error of the "
+            f"{_both(farther, own_before, own_after)}; {why}. Keep the model as it was"
         ]
-    if farther := _farther(before, after):
-        return [f"on what was not fitted to, the model as it was is nearer: the error of the {farther}"]
+    if (farther := _grew(before, after)) and len(_grew(after, before)) < len(farther):
+        told = _both(farther, before, after)
+        return [f"on what was not fitted to, the model as it was is nearer: the error of the {told}"]
     return []
 
 
@@ -54,13 +58,20 @@ def tells(signal: str, error: SignalError, errors: Errors) -> bool:
     return not error["driven"] and (signal == "unexplained_torque" or not by_current)
 
 
-def _farther(before: Errors, after: Errors) -> str:
-    """The signals whose errors grew, with both errors; empty if none did."""
-    grew = [
-        f"{signal.replace('_', ' ')} grows from {quantity(before[signal]['rmse'], error['unit'])} to "
-        f"{quantity(error['rmse'], error['unit'])}"
+def _grew(before: Errors, after: Errors) -> list[str]:
+    """The signals whose errors grew beyond the noise."""
+    return [
+        signal
         for signal, error in after.items()
         if tells(signal, error, after)
         and error["rmse"] > (1.0 + NEGLIGIBLE) * max(before[signal]["rmse"], NOISY * error["noise_floor"])
     ]
-    return ", that of the ".join(grew)
+
+
+def _both(signals: Sequence[str], before: Errors, after: Errors) -> str:
+    """These signals, with both errors."""
+    return ", that of the ".join(
+        f"{signal.replace('_', ' ')} grows from {quantity(before[signal]['rmse'], after[signal]['unit'])} to "
+        f"{quantity(after[signal]['rmse'], after[signal]['unit'])}"
+        for signal in signals
+    )
