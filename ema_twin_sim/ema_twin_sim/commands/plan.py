@@ -83,8 +83,7 @@ def run(
     force: options.Force = False,
     json: options.JsonFile = None,
 ) -> None:
-    """Propose the next recording: the command that best distinguishes the effects still in doubt, and shows most of
-    those that the recordings so far could not show.
+    """Propose the next recording: the command that tells apart the effects in doubt, and shows what was not shown yet.
 
     The command stays within the recorded speed, travel and current, unless only a larger one resolves more doubts or
     shows more effects; plan then says so. It asks for twice the recorded current and speed at most; for more speed only
