@@ -304,7 +304,7 @@ def test_wrong_files_end_the_command_line_with_one_line_and_status_2(own, tmp_pa
 def test_no_output_replaces_the_file(own, hiding):
     file = own()
     for verb in (("effects",), ("info", "polito_bench"), ("compare", hiding[1], "--model", "polito_bench")):
-        refused(*verb, "--with", file, "--json", file, naming=("own.py", "is an input"))
+        refused(*verb, "--with", file, "--json", file, naming=("own.py", "no JSON file"))
     assert file.read_text() == text()
 
 

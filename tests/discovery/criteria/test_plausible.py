@@ -116,7 +116,7 @@ class TestInsignificant:
         for model, open_too in ((an_open(stock), there), (stock, False)):
             h = a_hypothesis(model, "presliding_friction", presliding_friction={"stiffness": 1.0})
             spread = {"effects.presliding_friction.stiffness": 1.0 / errors}
-            found = sure(h, monkeypatch, spread, lost=lost * DEPENDS)
+            found = sure(h, monkeypatch, spread, lost=lost * SIGNIFICANT * DEPENDS)
             assert found == (None if open_too else "presliding_friction")
 
     def test_none_is_where_an_effect_does_nothing(self, stock, monkeypatch):

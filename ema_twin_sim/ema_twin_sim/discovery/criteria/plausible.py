@@ -107,14 +107,14 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
 
 
 def _needed(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    """Whether constants are open, and the rows lose much without an added effect.
+    """Whether constants are open, and the rows lose several times what a dependence must gain without an added effect.
 
     A standard error describes the misfit close to its minimum. The size of an effect that bends a curve (a stiffness, a
     level that decays with speed) may be known to a third only, in rows that nothing else explains.
     """
     if not f.hypothesis.base.is_open:
         return False
-    return penalised_gain(fit(problem, f.hypothesis.without(name), 4, known=f), f) > DEPENDS
+    return penalised_gain(fit(problem, f.hypothesis.without(name), 4, known=f), f) > SIGNIFICANT * DEPENDS
 
 
 def _shape_on_bound(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
