@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -42,10 +42,10 @@ def significant(found: Search) -> Search:
 
 
 def _shaft_for_teeth(found: Search) -> Search:
-    """The search with a compliant shaft in the place of backlash whose teeth explain as much without its width.
+    """The search with a compliant shaft in the place of backlash whose teeth do what a shaft does: they wind up.
 
-    Such teeth wind up as a shaft does. The shaft takes their place if it explains more, or if the width is hardly more
-    than the encoders' noise and it explains about as much.
+    Of backlash that is hardly wider than the encoders' noise, if its teeth explain as much without that width and a
+    shaft about as much. Of any other, if a shaft was close in its round and explains more beside what came since.
     """
     f, problem = found.fit, found.problem
     for name in f.hypothesis.added:
@@ -59,13 +59,14 @@ def _shaft_for_teeth(found: Search) -> Search:
         ]
         width = instance.parameters[catalogue()[instance.effect].parameters[0].name]
         narrow = bool(noise) and width <= TOO_MUCH * max(noise)
-        if turn is None or not noise or not (narrow or _shaft_came_near(turn)) or not only_teeth(problem, f, name):
+        near = None if turn is None or narrow else _shaft_close_to(turn)
+        if turn is None or not noise or (near is None and not (narrow and only_teeth(problem, f, name))):
             continue
         tried = {id for turn in found.rounds for trial in turn.tried for id in trial.fit.hypothesis.effects}
         if SPRING not in tried:  # it may not be named
             continue
-        teeth = {key: f.hypothesis.by_path[f"contact.{key}"] for key in ("stiffness", "damping")}
-        shaft = fit(problem, f.hypothesis.without(name).with_effect(SPRING, {}, teeth))
+        start = near or {key: f.hypothesis.by_path[f"contact.{key}"] for key in ("stiffness", "damping")}
+        shaft = fit(problem, f.hypothesis.without(name).with_effect(SPRING, {}, start))
         bare = fit(problem, f.hypothesis.without(name))
         if penalised_gain(bare, shaft) >= (MOSTLY if narrow else 1.0) * max(penalised_gain(bare, f), 0.0):
             instead = swapped(found, shaft, SURER if narrow else BEATEN)
@@ -74,11 +75,14 @@ def _shaft_for_teeth(found: Search) -> Search:
     return found
 
 
-def _shaft_came_near(turn: Round) -> bool:
-    """Whether a compliant shaft gained about as much as what a round took."""
-    shafts = [t.gain for t in turn.tried if [i.effect for i in t.fit.hypothesis.added.values()].count(SPRING)]
+def _shaft_close_to(turn: Round) -> Mapping[str, float] | None:
+    """Stiffness and damping of the compliant shaft that gained most of what a round took; None if none did."""
     took = max((trial.gain for trial in turn.tried if trial.names == turn.added), default=math.inf)
-    return max(shafts, default=-math.inf) >= MOSTLY * took
+    for trial in turn.tried:
+        came = [trial.fit.hypothesis.added.get(name) for name in trial.names]
+        if trial.gain >= MOSTLY * took and [held.effect for held in came if held] == [SPRING]:
+            return trial.fit.hypothesis.instance(trial.names[0]).parameters
+    return None
 
 
 def _sure_instead(found: Search, name: str) -> Search | None:
