@@ -162,9 +162,8 @@ def _unit_in_underscores(text: str) -> str | None:
     """The unit of ``rad_s``, ``rad_per_s``, ``N_m`` or ``kgf_cm``."""
     if "_" not in text:
         return None
-    as_torque = (
-        _unit(text.replace("_", " ")) if re.fullmatch(r"[mkuµ]?N_[cm]?m|k?gf?_c?m", text, re.IGNORECASE) else None
-    )
+    of_torque = re.fullmatch(r"[mkuµ]?N_[cm]?m|k?gf?_c?m", text, re.IGNORECASE)
+    as_torque = _unit(text.replace("_", " ")) if of_torque else None
     return as_torque or _unit(text.replace("_per_", "/").replace("_", "/"))
 
 

@@ -42,9 +42,9 @@ _REPEATED = 0.1
 # Share of rows at the end that may all tell the same time: a clock that stopped before the log did.
 _STOPPED = 0.5
 # Similarity of two names (difflib's ratio) from which one may be a misspelling of the other.
-_NEEDED = frozenset({"motor_position", "output_position", "speed", "current", "motor_torque"})
-"""Signals without which a twin is compared with less than its recording was made for."""
 _NEARLY_THE_SAME = 0.85
+# Signals without which a twin is compared with less than its recording was made for.
+_NEEDED = frozenset({"motor_position", "output_position", "speed", "current", "motor_torque"})
 
 
 def read_trace(

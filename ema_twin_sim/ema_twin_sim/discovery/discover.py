@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
@@ -12,12 +12,12 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.beyond_noise import beyond_noise
 from ..comparison.compare import Signals, overall_errors
-from ..criteria import DEPENDS, MOST_EFFECTS, NEGLIGIBLE, NOISY, PART, SMALL
+from ..criteria import DEPENDS, MOST_EFFECTS, SMALL
 from ..effects import Trait, catalogue, effects_with
 from ..identification.equation import EquationErrorProblem
 from ..identification.estimates import constants, far_off, off_by_one_factor, parameters, standard_errors
 from ..identification.fit import Fit, fit
-from ..identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis, null_hypothesis
+from ..identification.hypothesis import Hypothesis, null_hypothesis
 from ..identification.on_bound import on_bounds
 from ..measured.consistency import refuse_inconsistent
 from ..measured.folds import operating_point_folds
@@ -29,7 +29,6 @@ from ..measured.switching_ripple import with_switching_ripple
 from ..measured.usual_sizes import unusual_currents
 from ..model import Model
 from ..model.own_units import in_si, native_as_given
-from ..model.roles import BRISTLE
 from ..simulation.angle_origins import without_common_zero
 from .assumed_torque import of_assumed_torque
 from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants
@@ -39,13 +38,14 @@ from .ending import why_ended
 from .experiment.doubts import reverses
 from .experiment.suggestion import suggest
 from .followed import with_followed_numbers
+from .idle_effects import idle_effects, shows_over
 from .left_over import left_over_words
 from .search.adding import settle
 from .search.removing import less, significant
 from .search.rivals import Rivalry, judged_against_rivals
 from .search.search import search
 from .search.search_order import in_another_order
-from .search.trace import BEATEN, SURER, Round, Search, new_names
+from .search.trace import Round, Search
 from .search.unknown import beside_the_unknown, doubted
 from .search.wandering_end import (
     less_what_wandering_explains,
@@ -179,22 +179,22 @@ def discover(
     began = began if model.is_open else in_si(model)
     unseen = judge_unseen(rotary, began, noise, found)
     needed: set[str] = set()
-    idle, gearbox = _idle(found, unseen, needed) if known or model.is_open else ((), False)
+    idle, gearbox = idle_effects(found, unseen, needed) if known or model.is_open else ((), False)
     while idle:
         before = {*found.fit.hypothesis.added}
-        shown_over = tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
+        shown_over = tuple(dict.fromkeys(shows_over(found, name) for name in idle))
         fewer = less(found, idle, "it hardly improves the simulated loop")
         beside = judge_unseen(rotary, began, noise, fewer)
         if model.is_open and not gearbox and not beside.moving[-1] < unseen.moving[-1]:
             needed |= {*idle}  # by the other effects, whatever its own step did
-            idle, gearbox = _idle(found, unseen, needed)
+            idle, gearbox = idle_effects(found, unseen, needed)
             continue
         found, unseen = fewer, beside
         back = not before.issuperset(found.fit.hypothesis.added)  # it had replaced something
         # with open constants, the rest may explain the recordings as well as anything does
         known = (model.is_open or back) and explained(found.problem, found.fit, start)
         depends_on = () if known else depends_on or shown_over
-        idle, gearbox = _idle(found, unseen, needed) if (known and back) or model.is_open else ((), False)
+        idle, gearbox = idle_effects(found, unseen, needed) if (known and back) or model.is_open else ((), False)
     if known and model.is_open and _leaves_torque(unseen, rms_torque(rotary, began)):
         known, depends_on = False, ()  # what is left is too fast for the rows to tell on what it depends
     stands = unseen.betters
@@ -318,53 +318,6 @@ def _told_by_rows(f: Fit) -> bool:
     return not f.parted and len(f.problem.observations) > 1 and gain_where_unseen(f) > DEPENDS
 
 
-def _idle(found: Search, unseen: Unseen, needed: Collection[str]) -> tuple[tuple[str, ...], bool]:
-    """Effects at the end of the search that simulation of held-out recordings does not support.
-
-    * Backlash or compliance that the encoders suggest but that removes little of the error there.
-    * A bristle that removes nothing there, since it acts only in the first moments of a motion.
-    * With open constants: any effect on the torque that removes nothing there, or beside the noise adds to the error;
-      and all that came after an error which was smaller than that of the end.
-
-    Those that are ``needed`` by others are left out. Second, whether it is backlash or compliance.
-    """
-    added = found.fit.hypothesis.added
-    real = found.fit.hypothesis.base.is_open
-    for k, turn in enumerate(found.taken):
-        came = [name for name in new_names(turn.before, turn.after) if name in added and name not in needed]
-        parting = tuple(name for name in came if added[name].effect in COMPLIANT_EFFECTS)
-        bending = tuple(name for name in came if added[name].effect == BRISTLE)
-        first = _before_both(found, k)
-        ended = k + 1 if first == k else len(unseen.moving) - 1
-        of_torque = real and bool(came) and any(_shows_over(found, name) != "encoders" for name in came)
-        if unseen.moving[k] <= NOISY * unseen.noise_floor:
-            if of_torque and unseen.moving[ended] > (1.0 + NEGLIGIBLE) * unseen.moving[first]:
-                return tuple(came), False
-            continue
-        removed = unseen.removed(first, len(unseen.moving) - 1)
-        # A measured current drives no loop that would reach the teeth, and a hunting loop hides them: use the output.
-        followed = unseen.output_removed(first, len(unseen.moving) - 1) >= PART
-        if parting and not followed and removed is not None and removed < PART:
-            return parting, True
-        there = unseen.removed(first, ended)
-        if of_torque and there is not None and there <= 0.0:
-            return tuple(came), False
-        if bending and there is not None and there <= 0.0:
-            return bending, False
-    return (_since_the_best(found, unseen, needed) if real else ()), False
-
-
-def _since_the_best(found: Search, unseen: Unseen, needed: Collection[str]) -> tuple[str, ...]:
-    """Effects on the torque that came after the round that left the smallest error, if the end leaves clearly more."""
-    added = found.fit.hypothesis.added
-    held = [{*found.rounds[0].before.hypothesis.added}, *({*turn.after.hypothesis.added} for turn in found.taken)]
-    errors = zip(unseen.moving, held, strict=False)  # the end may be one more
-    least, before = min((one for one in errors if one[1] <= {*added}), key=lambda one: one[0])
-    if not unseen.moving[-1] > (1.0 + NEGLIGIBLE) * least:
-        return ()
-    return tuple(n for n in added if n not in before and n not in needed and _shows_over(found, n) != "encoders")
-
-
 def _leaves_torque(unseen: Unseen, torque: float) -> bool:
     """Whether more than a small share of the power of the drive's rms ``torque`` [N m] is unexplained, beyond noise.
 
@@ -373,26 +326,6 @@ def _leaves_torque(unseen: Unseen, torque: float) -> bool:
     """
     left = unseen.rmse[-1] ** 2 - unseen.noise_floor**2
     return unseen.signal == "unexplained_torque" and left > SMALL * torque**2
-
-
-def _before_both(found: Search, k: int) -> int:
-    """First round at which neither the effects of round ``k`` nor the effects they replaced were present.
-
-    A rival need not be better than the effect it replaces, in this round, or in a later one that only removed: then the
-    place was given up for what is there.
-    """
-    swaps = [
-        turn
-        for turn in found.taken[k:]
-        if turn.reason in {BEATEN, SURER} and (turn is found.taken[k] or not new_names(turn.before, turn.after))
-    ]
-    gone = {name for turn in swaps for name in new_names(turn.after, turn.before)}
-    return next((j for j, earlier in enumerate(found.taken[:k]) if not gone.isdisjoint(earlier.added)), k)
-
-
-def _shows_over(found: Search, name: str) -> str:
-    """The quantity that an effect depends on."""
-    return catalogue()[found.fit.hypothesis.added[name].effect].depends_on
 
 
 def _left(recordings: Sequence[Recording], model: Model, noise: NoiseFloor) -> tuple[str, Signals]:

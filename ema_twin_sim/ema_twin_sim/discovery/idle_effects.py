@@ -1,0 +1,79 @@
+"""Idle effects: those at the end of a search that the simulation of held-out recordings does not support."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from ..criteria import NEGLIGIBLE, NOISY, PART
+from ..effects import catalogue
+from ..identification.hypothesis import COMPLIANT_EFFECTS
+from ..model.roles import BRISTLE
+from .search.trace import BEATEN, SURER, Search, new_names
+from .unseen import Unseen
+
+
+def idle_effects(found: Search, unseen: Unseen, needed: Collection[str]) -> tuple[tuple[str, ...], bool]:
+    """Effects at the end of the search that simulation of held-out recordings does not support.
+
+    * Backlash or compliance that the encoders suggest but that removes little of the error there.
+    * A bristle that removes nothing there, since it acts only in the first moments of a motion.
+    * With open constants: any effect on the torque that removes nothing there, or beside the noise adds to the error;
+      and all that came after an error which was smaller than that of the end.
+
+    Those that are ``needed`` by others are left out. Second, whether it is backlash or compliance.
+    """
+    added = found.fit.hypothesis.added
+    real = found.fit.hypothesis.base.is_open
+    for k, turn in enumerate(found.taken):
+        came = [name for name in new_names(turn.before, turn.after) if name in added and name not in needed]
+        parting = tuple(name for name in came if added[name].effect in COMPLIANT_EFFECTS)
+        bending = tuple(name for name in came if added[name].effect == BRISTLE)
+        first = _before_both(found, k)
+        ended = k + 1 if first == k else len(unseen.moving) - 1
+        of_torque = real and bool(came) and any(shows_over(found, name) != "encoders" for name in came)
+        if unseen.moving[k] <= NOISY * unseen.noise_floor:
+            if of_torque and unseen.moving[ended] > (1.0 + NEGLIGIBLE) * unseen.moving[first]:
+                return tuple(came), False
+            continue
+        removed = unseen.removed(first, len(unseen.moving) - 1)
+        # A measured current drives no loop that would reach the teeth, and a hunting loop hides them: use the output.
+        followed = unseen.output_removed(first, len(unseen.moving) - 1) >= PART
+        if parting and not followed and removed is not None and removed < PART:
+            return parting, True
+        there = unseen.removed(first, ended)
+        if of_torque and there is not None and there <= 0.0:
+            return tuple(came), False
+        if bending and there is not None and there <= 0.0:
+            return bending, False
+    return (_since_the_best(found, unseen, needed) if real else ()), False
+
+
+def _since_the_best(found: Search, unseen: Unseen, needed: Collection[str]) -> tuple[str, ...]:
+    """Effects on the torque that came after the round that left the smallest error, if the end leaves clearly more."""
+    added = found.fit.hypothesis.added
+    held = [{*found.rounds[0].before.hypothesis.added}, *({*turn.after.hypothesis.added} for turn in found.taken)]
+    errors = zip(unseen.moving, held, strict=False)  # the end may be one more
+    least, before = min((one for one in errors if one[1] <= {*added}), key=lambda one: one[0])
+    if not unseen.moving[-1] > (1.0 + NEGLIGIBLE) * least:
+        return ()
+    return tuple(n for n in added if n not in before and n not in needed and shows_over(found, n) != "encoders")
+
+
+def _before_both(found: Search, k: int) -> int:
+    """First round at which neither the effects of round ``k`` nor the effects they replaced were present.
+
+    A rival need not be better than the effect it replaces, in this round, or in a later one that only removed: then the
+    place was given up for what is there.
+    """
+    swaps = [
+        turn
+        for turn in found.taken[k:]
+        if turn.reason in {BEATEN, SURER} and (turn is found.taken[k] or not new_names(turn.before, turn.after))
+    ]
+    gone = {name for turn in swaps for name in new_names(turn.after, turn.before)}
+    return next((j for j, earlier in enumerate(found.taken[:k]) if not gone.isdisjoint(earlier.added)), k)
+
+
+def shows_over(found: Search, name: str) -> str:
+    """The quantity that an effect depends on."""
+    return catalogue()[found.fit.hypothesis.added[name].effect].depends_on
