@@ -1,0 +1,69 @@
+"""Effects that a simulation of held-out recordings does not support, on searches and errors made by hand."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from ema_twin_sim.discovery.idle_effects import idle_effects
+from ema_twin_sim.discovery.unseen import Unseen
+
+FLOOR = 1.0
+
+
+def searched(*effects, is_open=True):
+    """A search that added these effects, one a round."""
+    fits = [
+        SimpleNamespace(
+            hypothesis=SimpleNamespace(
+                base=SimpleNamespace(is_open=is_open),
+                added={name: SimpleNamespace(effect=name) for name in effects[:k]},
+                generic_bases=(),
+            )
+        )
+        for k in range(len(effects) + 1)
+    ]
+    turns = [
+        SimpleNamespace(before=before, after=after, added=(name,), reason="")
+        for before, after, name in zip(fits, fits[1:], effects, strict=False)
+    ]
+    return SimpleNamespace(fit=fits[-1], taken=turns, rounds=turns)
+
+
+def seen(*errors):
+    """The errors at the start and after each round."""
+    return Unseen(
+        signal="unexplained_torque", unit="N m", noise_floor=FLOOR, rmse=errors, recordings=(), output=(),
+        encoders=False, given=errors[0], given_recordings=(), given_output=None, moving=errors,
+        judged_from=errors[0], judged_from_output=None,
+    )  # fmt: skip
+
+
+TWO = ("gravity_load", "cogging")
+
+
+@pytest.mark.parametrize(("errors", "idle"), [
+    ((20.0, 5.0, 4.0), ()),
+    ((20.0, 5.0, 6.0), ("cogging",)),  # its own step removed nothing
+    ((20.0, 1.2, 1.21), ()),  # beside the noise, by no more than right models differ
+    ((20.0, 1.2, 1.3), ("cogging",)),
+])  # fmt: skip
+def test_what_adds_to_the_error_is_idle_where_constants_are_open(errors, idle):
+    assert idle_effects(searched(*TWO), seen(*errors), ())[0] == idle
+    assert idle_effects(searched(*TWO, is_open=False), seen(*errors), ()) == ((), False)
+
+
+def test_what_others_need_is_left_out():
+    assert idle_effects(searched(*TWO), seen(20.0, 5.0, 6.0), {"cogging"}) == ((), False)
+
+
+def test_all_that_came_after_the_smallest_error_is_idle():
+    """Each step after it was small, beside the noise; together they are not."""
+    found = searched("gravity_load", "cogging", "spring_load", "quadratic_drag")
+    idle, _ = idle_effects(found, seen(20.0, 1.2, 1.215, 1.23, 1.245), ())
+    assert idle == ("cogging", "spring_load", "quadratic_drag")
+
+
+def test_backlash_that_removes_little_is_idle_with_known_constants_too():
+    for is_open in (True, False):
+        assert idle_effects(searched("backlash", is_open=is_open), seen(20.0, 19.0), ()) == (("backlash",), True)
+        assert idle_effects(searched("backlash", is_open=is_open), seen(20.0, 10.0), ()) == ((), False)
