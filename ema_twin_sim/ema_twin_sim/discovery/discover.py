@@ -56,6 +56,7 @@ from .shares import of_sums, with_division
 from .split import ClosedLoop, with_best_split
 from .unmoved import beside_constants_as_filed, freed, with_unmoved_constants
 from .unseen import Unseen, gain_where_unseen, judge_unseen
+from .within_tolerance import with_factor_as_constant, with_factor_in_the_constant
 
 
 @dataclass(frozen=True)
@@ -170,7 +171,7 @@ def discover(
         found, depends_on = beside_the_unknown(found, progress)
     progress("looking for rivals")
     found, rivals = judged_against_rivals(found, excluded)
-    found = significant(found)
+    found = with_factor_as_constant(significant(found), recordings)
     known = known and (found.fit is searched or explained(found.problem, found.fit, start))
     loop = ClosedLoop(recordings, found.fit.hypothesis.base)
     found = with_best_split(loop, found)
@@ -226,7 +227,8 @@ def discover(
     order = _most_telling_first(best.hypothesis.added, steps)
     added = tuple(dict.fromkeys(best.hypothesis.added[name].effect for name in order))
     told = parameters(best, errors)
-    better = native_as_given(restored(best.hypothesis.model(), awake), given).fitted_from(given)
+    better = native_as_given(restored(best.hypothesis.model(), awake), given)
+    better = with_factor_in_the_constant(better, given).fitted_from(given)
     end = given if as_given else with_hidden_as_given(better, given, recordings)
     refitted = {} if as_given or not problem.size else constants(best, errors, given)
     misread = (

@@ -12,9 +12,9 @@ from ..criteria import CALIBRATION, CONTRADICTED, SEARCHED_UP_TO, SMALL
 from ..effects import Parameter, catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
-from ..model.model_file import ABSENT
+from ..model.model_file import ABSENT, TORQUE_CONSTANT
 from ..model.own_units import shown_entry
-from ..model.roles import DRY_FRICTION
+from ..model.roles import DRY_FRICTION, TORQUE_FACTOR
 from .equation import EquationErrorProblem
 from .fit import Fit
 from .hypothesis import INERTIAS
@@ -114,7 +114,12 @@ def constants(f: Fit, sure: Mapping[str, float], given: Model) -> dict[str, dict
     for name, instance in base.effects.items():
         output = instance.options.get("side") == "output" and instance.effect == DRY_FRICTION
         path = "scale.output_coulomb" if output and f.hypothesis.parted else f"scale.{instance.effect}"
-        if path in sure:
+        if instance.effect == TORQUE_FACTOR and path in sure:
+            value, nominal = model.effects[name].parameters["scale"], base.value(TORQUE_CONSTANT)
+            entry = _refitted(base, value * nominal, nominal, sure[path], CONSTANTS[TORQUE_CONSTANT].unit)
+            part, _, constant = base.shown_path(TORQUE_CONSTANT).partition(".")
+            found.setdefault(part, {})[constant] = {**entry, "nominal": given.value(TORQUE_CONSTANT)}
+        elif path in sure:
             p = catalogue()[instance.effect].parameters[0]
             value, began = model.effects[name].parameters[p.name], instance.parameters[p.name]
             entry = _refitted(base, value, began, sure[path], p.unit)

@@ -342,6 +342,20 @@ class Hypothesis:
                 return self.with_torques_times(factor).put({path: factor * scale})
         return self
 
+    def with_factor_as_constant(self, name: str, tolerance: float) -> Hypothesis:
+        """The hypothesis with an added factor on the torque constant as a constant, known within a ``tolerance``."""
+        instance = self.added[name]
+        path, scale = f"effects.{name}.scale", f"scale.{TORQUE_FACTOR}"
+        return replace(
+            self,
+            base=replace(self.base, effects={**self.base.effects, name: instance.at({"scale": 1.0})}),
+            added={other: held for other, held in self.added.items() if other != name},
+            free=tuple(
+                replace(free, path=scale, prior=(1.0, max(tolerance, EXACT))) if free.path == path else free
+                for free in self.free
+            ),
+        )
+
     def without(self, name: str) -> Hypothesis:
         """The hypothesis without one added effect."""
         keep = [k for k, f in enumerate(self.free) if not f.path.startswith(f"effects.{name}.")]

@@ -24,7 +24,7 @@ from ...model.roles import FRICTION, TORQUE_FACTOR
 from .reversals import shows_where_slowest
 from .worth import NOTHING_ELSE, is_lacked, largest_rms_reduction, penalised_gain
 
-OVER = {"inertia": "acceleration"} | {id: catalogue()[id].depends_on for id in FRICTION}
+OVER = {"inertia": "acceleration"} | {id: catalogue()[id].depends_on for id in (*FRICTION, TORQUE_FACTOR)}
 
 
 def strained(f: Fit) -> tuple[str, ...]:

@@ -1,0 +1,53 @@
+"""A torque constant off by no more than its tolerance is one more refitted constant, not a missing effect.
+
+The load sensor of a dynamometer tells how much torque an ampere gives, as surely as the current tells inertia and
+friction. These are free within their tolerances from the start. The torque constant enters a search as an effect, so
+that it competes with what acts through the current as well, and becomes a constant at the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ema_bench_replay.recording import Recording
+
+from ..criteria import LIKELY
+from ..identification.estimates import standard_errors
+from ..identification.fit import fit
+from ..measured.load_sensor import load_varies
+from ..model import Model
+from ..model.model_file import TORQUE_CONSTANT
+from ..model.roles import TORQUE_FACTOR
+from .search.trace import Search
+
+WITHIN = "it is within the tolerance of the model's torque constant, which is refitted instead"
+
+
+def with_factor_as_constant(found: Search, recordings: Sequence[Recording]) -> Search:
+    """The search with an added factor on the torque constant as a constant, if it may lie within the tolerance.
+
+    Only if a load that varies was measured: otherwise what tells the factor is that the other constants are off by it.
+    """
+    h = found.fit.hypothesis
+    name = next((n for n, instance in h.added.items() if instance.effect == TORQUE_FACTOR), None)
+    if name is None or not any(load_varies(recording) for recording in recordings):
+        return found
+    path = f"effects.{name}.scale"
+    tolerance = h.base.constants[TORQUE_CONSTANT].tolerance
+    off = abs(h.by_path[path] - 1.0) - LIKELY * standard_errors(found.problem, found.fit).get(path, 0.0)
+    if off > tolerance:
+        return found
+    return found.ended(fit(found.problem, h.with_factor_as_constant(name, tolerance)), WITHIN)
+
+
+def with_factor_in_the_constant(model: Model, given: Model) -> Model:
+    """The model with a factor on the torque constant, which the ``given`` model does not have, in the constant."""
+    held = {instance.effect for instance in given.effects.values()}
+    for name, instance in {} if TORQUE_FACTOR in held else model.effects.items():
+        if instance.effect == TORQUE_FACTOR:
+            constant = model.constants[TORQUE_CONSTANT]
+            scaled = {TORQUE_CONSTANT: constant.at(constant.value * instance.parameters["scale"])}
+            effects = {n: i for n, i in model.effects.items() if n != name}
+            return replace(model, constants={**model.constants, **scaled}, effects=effects)
+    return model
