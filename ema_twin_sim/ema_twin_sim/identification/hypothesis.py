@@ -15,6 +15,9 @@ from ..model import ConstantValue, EffectInstance, Model
 from ..model.model_file import ABSENT
 from ..model.roles import COMPLIANT_EFFECTS, DRY_FRICTION, FRICTION, PLAY, SPRING, TORQUE_FACTOR
 from ..plant.driven_output import RESOLVED
+from ..simulation.assembly import assemble
+from ..simulation.fidelity import own_step
+from ..simulation.longest_step import longest_step
 
 DRY_SCALE = f"scale.{DRY_FRICTION}"
 LAG = "lag"
@@ -281,12 +284,22 @@ class Hypothesis:
         return {free.path: factors[free.path] for free in self.free if free.path in factors}
 
     def teeth_of_the_file(self) -> dict[str, float]:
-        """By path: stiffness and damping of the contact from the model file, where they are free."""
-        return {
-            free.path: self.base.value(free.path.replace("contact.", "transmission.contact_"))
+        """By path: stiffness and damping of the contact from the model file, where they are free.
+
+        Those that the file does not give are the reference bench's. Far smaller wheels are lighter than such teeth are
+        stiff, and a simulation of them never ends: then there are none.
+        """
+        held = {
+            free.path: self.base.constants[free.path.replace("contact.", "transmission.contact_")]
             for free in self.free
             if free.path.startswith("contact.")
         }
+        values = {path: constant.value for path, constant in held.items()}
+        if any(constant.source == ABSENT for constant in held.values()):
+            assembly = assemble(self.put(values).model())
+            if longest_step(assembly)[0] < own_step(self.base, None):
+                return {}
+        return values
 
     def with_generic_basis(self, name: str, columns: int) -> Hypothesis:
         """Hypothesis with one more generic basis: ``columns`` coefficients of the basis of that name."""

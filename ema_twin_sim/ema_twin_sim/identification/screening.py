@@ -186,18 +186,34 @@ def _columns(
     return np.stack([column(start) for start in starts], 1), per
 
 
+def span_of(f: Fit, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Orthonormal basis (m + p, k) of what columns (m, c) add to a fit's free parameters and their p priors.
+
+    The second value (m,) divides the residual's rows, so that they weigh as much as a prior.
+    """
+    known = _Known.of(f)
+    outside = _outside(f, known, columns)
+    squares, axes = np.linalg.eigh(outside.T @ outside)
+    kept = squares > HARDLY * max(squares[-1], 1e-24)
+    return outside @ axes[:, kept] / np.sqrt(squares[kept]), known.root_inflation
+
+
+def _outside(f: Fit, known: _Known, columns: np.ndarray) -> np.ndarray:
+    """Columns (m, c) as weighted in a fit, one row a prior below them, outside the span of its free parameters."""
+    below = np.zeros((len(known.left) - len(f.raw), columns.shape[1]))
+    a = np.concatenate([columns * (f.weights / known.root_inflation)[:, None], below])
+    return a - known.basis @ (known.basis.T @ a)
+
+
 def screen_generic_bases(problem: EquationErrorProblem, f: Fit) -> list[tuple[float, str]]:
     """(gain minus two a column for chance, name) of each generic basis by linear regression, best first."""
     known = _Known.of(f)
-    q, r = known.basis, known.left
+    r = known.left
     found = []
     for name, columns in problem.generic_bases.items():
         if name in f.hypothesis.generic_bases:
             continue
-        a = np.concatenate(
-            [columns * (f.weights / known.root_inflation)[:, None], np.zeros((len(r) - len(f.raw), columns.shape[1]))]
-        )
-        a -= q @ (q.T @ a)
+        a = _outside(f, known, columns)
         squares, axes = np.linalg.eigh(a.T @ a)
         along = axes.T @ (a.T @ r)
         kept = squares > HARDLY * max(squares[-1], 1e-24)

@@ -2,7 +2,8 @@
 
 If no effect explains the rest, an effect that was found may only imitate the unknown cause: a bump of friction over the
 speed looks like Stribeck friction. Then a basis of any shape over that quantity explains much more than the effect. If
-the effect's own shape explains what the basis explains, it is that effect, whatever else is left.
+the effect's own shape explains what the basis explains, it is that effect, whatever else is left. A basis explains more
+by chance as well, the more so the more neighbouring rows resemble each other, as they do if friction wanders.
 
 An encoder error shows in the encoder difference alone and removes most of it. If it removes only a part while something
 is unknown, it imitates interpolation error between encoder lines. A late encoder is distinguished from a compliant
@@ -17,6 +18,7 @@ import numpy as np
 
 from ...criteria import APART, DEPENDS, INTERPOLATED, MISFIT_DOUBTED, MISFIT_LEFT, MOSTLY, NEARLY_ALL, TOO_MUCH
 from ...effects import catalogue
+from ...identification.chance import gain_on_alike_noise
 from ...identification.comparable import by_chance, refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
@@ -118,25 +120,29 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
         return True
     any_shape = fit_with_basis(beside, bare, best)
     scale = f.variance_inflations[0]
-    gained_by_any = _gained(bare, any_shape, scale, hidden=1 if over == "order" else 0)
+    chance = max(gain_on_alike_noise(beside, bare, any_shape, best), by_chance(1 if over == "order" else 0))
     gained = _gained(bare, f, scale)
     # it exists on every machine, even if its law fits poorly while it warms up or wanders
     share = MOSTLY if is_lacked(f.hypothesis, effect.id) else NEARLY_ALL
-    if gained >= share * gained_by_any:
+    if gained >= share * (_gained(bare, any_shape, scale) - chance):
+        return True
+    both = fit_with_basis(beside, f, best)
+    # what is unknown depends on something else if this quantity explains hardly any of what the effect leaves
+    left = (f.misfits[0] - problem.size) / scale
+    if _gained(f, both, scale) - chance <= (1.0 - NEARLY_ALL) * left:
         return True
     # if it explains as much with that shape as alone, it does not imitate it: both are there
-    return gained > 0.0 and _gained(any_shape, fit_with_basis(beside, f, best), scale) >= MOSTLY * gained
+    return gained > 0.0 and _gained(any_shape, both, scale) >= MOSTLY * gained
 
 
-def _gained(before: Fit, after: Fit, scale: float, hidden: int = 0) -> float:
+def _gained(before: Fit, after: Fit, scale: float) -> float:
     """Gain of a fit from the torque and from constants closer to their file, in units of the remaining noise.
 
     Reduced by what the additional numbers gain by chance; for a basis with many columns that soon exceeds 2 %.
-    ``hidden`` numbers were chosen before the fit, such as the order of a wave (the one strongest in the residual).
     """
     refuse_different_weightings(before, after)
     gained = (before.misfits[0] - after.misfits[0]) / scale + before.prior_cost - after.prior_cost
-    return gained - by_chance(len(after.hypothesis.free) - len(before.hypothesis.free) + hidden)
+    return gained - by_chance(len(after.hypothesis.free) - len(before.hypothesis.free))
 
 
 def _mostly(problem: EquationErrorProblem, f: Fit, bare: Fit) -> bool:
