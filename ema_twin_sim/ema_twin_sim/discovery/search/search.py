@@ -114,10 +114,23 @@ def _beside_encoders(asked: _Asked, current: Fit, rounds: list[Round], may_wande
         rounds = [*rounds, *by_gearbox]
     if current.parted:
         return _beside_gearbox(asked, current, rounds, may_wander)
+    before = current
     current, rounds = _add_effects_or_wander(asked, current, rounds, may_wander)
     if may_wander and current.problem.weighting.wander is not None:
         return _beside_encoders(asked, current, rounds, False)
+    if _sensors(current) > _sensors(before) and parted_encoders(current):
+        # what a gearbox leaves of the difference may be smaller than an encoder's error, which is known now
+        asked.progress("trying play and compliance beside the encoders' errors")
+        current, by_gearbox = add_structure(current, asked.without)
+        rounds = [*rounds, *by_gearbox]
+        if current.parted:
+            return _beside_gearbox(asked, current, rounds, may_wander)
     return current, rounds
+
+
+def _sensors(f: Fit) -> frozenset[str]:
+    """The added errors of encoders."""
+    return ENCODER_ONLY & {*f.hypothesis.effects}
 
 
 def _beside_gearbox(asked: _Asked, current: Fit, rounds: list[Round], may_wander: bool) -> tuple[Fit, list[Round]]:
