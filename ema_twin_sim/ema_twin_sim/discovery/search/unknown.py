@@ -31,7 +31,7 @@ from ..criteria.worth import BY_CONSTANTS, NOTHING_ELSE, is_lacked
 from .adding import add_best
 from .found_orders import is_bend
 from .removing import less, significant, with_what_made_room
-from .rivals import substitutes, swapped
+from .rivals import came_near, substitutes, swapped
 from .trace import Round, Search, new_names
 from .wandering_end import beside_wandering
 
@@ -122,25 +122,30 @@ def _without_dependences(found: Search) -> Search:
 def doubted(found: Search) -> Search:
     """The search without the effects that may only imitate an unknown cause.
 
-    What had been removed for their sake is tried again, and doubted in turn. An effect that every machine has and this
-    model lacks is tried first in place of a doubtful one.
+    What had been removed for their sake is tried again, and doubted in turn. What was close to a doubtful effect in its
+    round is tried first in its place.
     """
     while names := _doubtful(found):
-        usual = next((other for name in names if (other := _usual_instead(found, name)) is not None), None)
-        found = with_what_made_room(less(found, names, LIKENESS)) if usual is None else usual
+        other = next((other for name in names if (other := _instead(found, name)) is not None), None)
+        found = with_what_made_room(less(found, names, LIKENESS)) if other is None else other
     return found
 
 
-def _usual_instead(found: Search, name: str) -> Search | None:
-    """Replace a doubtful effect by one that every machine has and this model lacks; None if that does not hold up.
+def _instead(found: Search, name: str) -> Search | None:
+    """Replace a doubtful effect by one that was close in its round and holds up where it does not; None if none does.
 
-    The substitute was close in the effect's round, and holds up where the effect does not: friction that warms up looks
+    Either one that explained as much, or one that every machine has and this model lacks: friction that warms up looks
     a little more like Stribeck friction than like dry friction alone.
     """
     turn = next((turn for turn in found.taken if name in turn.added), None)
-    for other in () if turn is None else substitutes(found.fit, name, turn):
+    if turn is None:
+        return None
+    as_much = max(trial.gain for trial in turn.tried if name in trial.names) - RIVAL_MARGIN
+    equal = {effect for effect, _ in came_near(found.fit.hypothesis, name, turn, as_much)}
+    for other in substitutes(found.fit, name, turn):
         came = new_names(found.fit, other)
-        if all(is_lacked(other.hypothesis, other.hypothesis.added[n].effect) for n in came):
+        effects = {other.hypothesis.added[n].effect for n in came}
+        if effects <= equal or all(is_lacked(other.hypothesis, effect) for effect in effects):
             instead = swapped(found, other)
             if {*came} <= {*instead.fit.hypothesis.added} and {*came}.isdisjoint(_doubtful(instead)):
                 return replace(instead, rounds=(*found.rounds, replace(instead.rounds[-1], reason=LIKENESS)))
@@ -168,7 +173,7 @@ def _doubtful(found: Search) -> list[str]:
         drawn = {n for n in drawn if not explains_the_torque(beside, n)}
     stands = own - set(only_constants(problem, found.fit))
     stands -= set(likenesses(problem, found.fit))
-    if strange:
+    if strange and stands == {*added}:  # another doubtful effect may have pulled the constants
         by_constants = {name for name in added if over[name] in BY_CONSTANTS}
         usual = {name for name in by_constants if is_lacked(found.fit.hypothesis, added[name].effect)}
         stands -= by_constants - usual or by_constants  # usual effects are judged once the others are gone
