@@ -228,7 +228,7 @@ def discover(
     added = tuple(dict.fromkeys(best.hypothesis.added[name].effect for name in order))
     told = parameters(best, errors)
     better = native_as_given(restored(best.hypothesis.model(), awake), given)
-    better = with_factor_in_the_constant(better, given).fitted_from(given)
+    better = with_factor_in_the_constant(better, best.hypothesis.base, given).fitted_from(given)
     end = given if as_given else with_hidden_as_given(better, given, recordings)
     refitted = {} if as_given or not problem.size else constants(best, errors, given)
     misread = (

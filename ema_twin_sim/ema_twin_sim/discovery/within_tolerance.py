@@ -41,10 +41,13 @@ def with_factor_as_constant(found: Search, recordings: Sequence[Recording]) -> S
     return found.ended(fit(found.problem, h.with_factor_as_constant(name, tolerance)), WITHIN)
 
 
-def with_factor_in_the_constant(model: Model, given: Model) -> Model:
-    """The model with a factor on the torque constant, which the ``given`` model does not have, in the constant."""
-    held = {instance.effect for instance in given.effects.values()}
-    for name, instance in {} if TORQUE_FACTOR in held else model.effects.items():
+def with_factor_in_the_constant(model: Model, searched: Model, given: Model) -> Model:
+    """The model with a factor that became a constant in the torque constant itself.
+
+    Such a factor is an effect of the model that was ``searched`` from at the end, and none of the ``given`` one.
+    """
+    for name in searched.effects.keys() - given.effects.keys():
+        instance = model.effects[name]
         if instance.effect == TORQUE_FACTOR:
             constant = model.constants[TORQUE_CONSTANT]
             scaled = {TORQUE_CONSTANT: constant.at(constant.value * instance.parameters["scale"])}

@@ -1,0 +1,53 @@
+"""A measured load tells the torque constant: within its tolerance it is a refitted constant, beyond it an effect."""
+
+import pytest
+
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.discovery.within_tolerance import with_factor_in_the_constant
+from ema_twin_sim.model import load_model, save_model
+from tests.discovery.test_measured_load import braked, without_load
+
+CONSTANT = "machine.torque_constant"
+
+
+def of_a_motor(stock, scale):
+    """Two runs against a measured load of a machine whose motor gives ``scale`` times the model's torque."""
+    weaker = stock.with_effect("torque_constant_error", {"scale": scale})
+    return [braked(weaker, 1), braked(weaker, 2, rate=0.5)]
+
+
+@pytest.mark.slow
+def test_within_its_tolerance_it_is_a_constant(stock, tmp_path):
+    assert stock.constants[CONSTANT].tolerance == 0.05
+    found = discover(of_a_motor(stock, 0.97), stock)
+    assert (found.verdict, found.added) == ("none", ())
+    part, name = stock.shown_path(CONSTANT).split(".")
+    entry = found.constants[part][name]
+    assert entry["value"] == pytest.approx(0.97 * entry["nominal"], abs=3.0 * entry["std"])
+    assert entry["std"] < 0.01 * entry["nominal"]
+    assert found.model.value(CONSTANT) == entry["value"] and found.model.effects.keys() == stock.effects.keys()
+    assert found.left["current"]["rmse"] < 1.3 * found.left["current"]["noise_floor"]
+    written = save_model(found.model, tmp_path / "model.yaml")
+    assert load_model(written).value(CONSTANT) == pytest.approx(entry["value"])
+
+
+@pytest.mark.slow
+def test_beyond_it_an_effect_is_missing(stock):
+    found = discover(of_a_motor(stock, 0.85), stock)
+    assert found.added == ("torque_constant_error",) and found.verdict == "explained"
+    scale = found.parameters["torque_constant_error"]["scale"]
+    assert scale["value"] == pytest.approx(0.85, abs=0.01)
+    assert found.model.value(CONSTANT) == stock.value(CONSTANT)
+
+
+@pytest.mark.slow
+def test_without_the_sensor_nothing_tells_it(stock):
+    assert discover([without_load(run) for run in of_a_motor(stock, 0.97)], stock).added != ("torque_constant_error",)
+
+
+def test_a_factor_of_the_given_model_or_added_by_a_search_stays_an_effect(stock):
+    scaled = stock.with_effect("torque_constant_error", {"scale": 0.9})
+    assert with_factor_in_the_constant(scaled, scaled, scaled) is scaled
+    assert with_factor_in_the_constant(scaled, stock, stock) is scaled
+    told = with_factor_in_the_constant(scaled, scaled, stock)
+    assert told.value(CONSTANT) == pytest.approx(0.9 * stock.value(CONSTANT)) and told.effects == stock.effects
