@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 
-import pytest
-
 from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.measured.scales import INERTIAS
+from ema_twin_sim.model.model_file import ABSENT
 
-STIFFNESS = "transmission.contact_stiffness"
+CONTACT = "transmission.contact"
+TEETH = {"contact.stiffness", "contact.damping"}
 
 
 def teeth(model):
@@ -19,21 +19,18 @@ def lighter(model, times):
     return replace(model, constants={**model.constants, **inertias})
 
 
-def test_they_are_the_files(stock):
-    given = replace(stock.constants[STIFFNESS], value=3000.0, source="measured")
-    told = teeth(replace(stock, constants={**stock.constants, STIFFNESS: given}))
-    assert told == pytest.approx({"contact.stiffness": 3000.0, "contact.damping": 1.0})
+def without_teeth(model):
+    constants = {path: replace(held, source=ABSENT) for path, held in model.constants.items() if CONTACT in path}
+    return replace(model, constants={**model.constants, **constants})
+
+
+def test_they_are_the_files_however_light_the_wheels(stock):
+    told = {path: stock.value(f"transmission.{path.replace('.', '_')}") for path in TEETH}
+    assert teeth(stock) == teeth(lighter(stock, 1e5)) == told
 
 
 def test_wheels_too_light_for_the_reference_benchs_have_none(stock):
     """A simulation would need steps of nanoseconds."""
-    assert teeth(lighter(stock, 2.0)).keys() == {"contact.stiffness", "contact.damping"}
-    assert teeth(lighter(stock, 1e5)) == {}
-
-
-def test_teeth_that_the_file_gives_are_taken_however_light_the_wheels(stock):
-    constants = {
-        path: replace(constant, source="measured") if path.startswith("transmission.contact") else constant
-        for path, constant in stock.constants.items()
-    }
-    assert teeth(lighter(replace(stock, constants=constants), 1e5))["contact.stiffness"] > 0.0
+    bare = without_teeth(stock)
+    assert teeth(bare).keys() == teeth(lighter(bare, 2.0)).keys() == TEETH
+    assert teeth(lighter(bare, 1e5)) == {}
