@@ -109,6 +109,27 @@ def test_what_cannot_be_guessed_is_marked(tmp_path):
     assert "marked CHECK" in ended.stdout
 
 
+def test_a_column_that_numbers_runs_is_told_with_the_key_of_the_map(tmp_path):
+    rows = "".join(f"{k},{k // 50},{k % 7},{k}\n" for k in range(100))
+    (tmp_path / "runs.csv").write_text("time [ms],sequence,current [A],motor position [rad]\n" + rows)
+    said = " ".join(done("init", "runs.csv", "-o", "runs", cwd=tmp_path).stdout.split())
+    assert "sequence: seems to number 2 runs; with `run: sequence` in the import map, ema-twin campaign judges" in said
+
+
+@pytest.mark.parametrize(
+    ("answers", "question", "remedy"),
+    [
+        ([], "Name of the time column", "give a trace, whose columns answer it: ema-twin init TRACE.csv"),
+        (["t [s]", "I [A]", "", "phi [rad]", "", ""], "Turns of the motor", "give --gear-ratio"),
+        (["t [s]", "I [A]", "", "phi [rad]", "", "", "1"], "Torque per ampere", "give --torque-constant"),
+    ],
+)
+def test_where_the_input_ends_at_a_question_what_answers_it_is_told(tmp_path, answers, question, remedy):
+    """It was said to be interrupted."""
+    naming = f'the input ended before an answer to "{question}', remedy
+    refused("init", "-o", "press", cwd=tmp_path, answers="".join(f"{line}\n" for line in answers), naming=naming)
+
+
 def test_without_a_trace_questions_are_asked(tmp_path):
     answers = ["time [ms]", "", "force [N]", "s [mm]", "", "", "1"]
     ended = twin("init", "-o", "slide", cwd=tmp_path, answers="\n".join(answers) + "\n")

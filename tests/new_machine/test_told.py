@@ -53,3 +53,14 @@ def test_the_noise_of_a_torque_is_a_torque(tmp_path):
     known, _ = told(tmp_path, "time [s],motor position [rad],torque [Nm]", row)
     (noise,) = (one for one in known if "noise" in one)
     assert noise.startswith("noise of the torque ") and noise.endswith("N m")
+
+
+def test_the_decimals_of_a_text_are_no_encoder(tmp_path):
+    known, _ = told(
+        tmp_path,
+        "time [s],motor position [deg],output position [rad],current [A]",
+        lambda t: (round(2.0 * math.sin(5.0 * t), 3), round(1e-3 * math.sin(5.0 * t), 6), math.cos(t)),
+    )
+    assert "motor position in steps of 0.001 deg (the last digit of its column)" in known
+    assert "output position in steps of 1e-06 rad (the last digit of its column)" in known
+    assert not [one for one in known if "counts" in one]

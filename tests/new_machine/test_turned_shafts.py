@@ -7,6 +7,7 @@ from ema_bench_replay.load import load
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.measured.consistency import inconsistencies
+from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.model import load_model
 from ema_twin_sim.new_machine.shaft import ratio_of_positions
 
@@ -17,9 +18,9 @@ CURRENT = 0.5 * np.sign(SPEED) + 0.2 * np.cos(2.0 * TIME)
 TURN = 2.0 * np.pi
 
 
-def written(place, output, column, command=()):
+def written(place, output, column, command=(), current=CURRENT):
     """A trace of a motor whose output goes along ``output`` (n,) in ``column``, and perhaps follows a ``command``."""
-    columns = {"time [s]": TIME, "current [A]": CURRENT, "motor position [rad]": ANGLE, column: output}
+    columns = {"time [s]": TIME, "current [A]": current, "motor position [rad]": ANGLE, column: output}
     columns |= {"output position setpoint [rad]": command} if len(command) else {}
     rows = "\n".join(",".join(f"{value:.9g}" for value in row) for row in zip(*columns.values(), strict=True))
     place.write_text(",".join(columns) + "\n" + rows + "\n")
@@ -67,3 +68,23 @@ def test_a_motion_that_comes_back_after_a_tenth_of_the_recording_tells_the_ratio
         "swing", np.arange(len(TIME)) * 2_000_000, {"motor_position": motor, "output_position": output}
     )
     assert ratio_of_positions(recording) == pytest.approx(4.0, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("current", "told", "factor"),
+    [
+        (CURRENT, "sign of current [A] (positive drives forwards)", 1.0),
+        (-CURRENT, "current [A] turned round (`factor: -1` in the map): as recorded, it acts against the motion", -1.0),
+        (0.1 * np.sin(40.0 * TIME), "Assumed: current [A]: positive drives forwards, which the recordings", 1.0),
+    ],
+    ids=["as recorded", "turned", "undecided"],
+)
+def test_the_sign_of_the_current_is_found_or_assumed(tmp_path, capsys, current, told, factor):
+    """Nothing was said of it, and discover refused a map that init had just written."""
+    trace = written(tmp_path / "t.csv", ANGLE / 4.0, "output position [rad]", current=current)
+    init(str(tmp_path / "q"), [trace])
+    assert told in " ".join(capsys.readouterr().out.split())
+    read = load(trace, import_map=tmp_path / "q_map.yaml")
+    assert read.signals["current"][100:200] == pytest.approx(factor * current[100:200], abs=1e-6)
+    (own,), model = to_own_units([read], load_model(tmp_path / "q.yaml"))
+    assert not [*inconsistencies(own, model)]

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.load import load
 from ema_bench_replay.recording import Recording
 from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.traces.many_runs import read_runs
+from ema_bench_replay.traces.run_columns import count_of_runs, run_columns
 from ema_twin_sim.health import MotionRecord
 from ema_twin_sim.model import load_model
 from ema_twin_sim.model.matching import matched
@@ -74,3 +76,21 @@ def test_only_currents_and_torques_may_be_magnitudes(tmp_path):
     path.write_text("version: 1\ntime: {column: t, unit: s}\nsignals: {speed: {columns: [v], magnitude: true}}\n")
     with pytest.raises(InputError, match="magnitude"):
         load_map(path)
+
+
+def test_how_to_read_a_file_of_many_runs_is_told_where_its_time_goes_back(tmp_path):
+    path = trace(tmp_path)
+    with pytest.raises(InputError, match=r"one run; ema-twin campaign reads each by itself, as .*run: sequence"):
+        load(path, import_map="cranfield_ball_screw")
+    plain = tmp_path / "plain.yaml"
+    plain.write_text("version: 1\ntime: {column: 'time.*'}\nsignals: {current: {columns: [current.*], unit: A}}\n")
+    with pytest.raises(InputError, match=r"one run; or, with `run: sequence` in the import map, ema-twin campaign"):
+        load(path, import_map=plain)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "count"), [([1, 1, 2, 2, 5], 3), ([7, 7, 7], 1), ([1, 2, 1], 0)], ids=["runs", "one", "returns"]
+)
+def test_a_column_numbers_runs_if_the_rows_of_each_follow_each_other(numbers, count):
+    assert run_columns(["test", "run no", "Lauf", "current [A]"]) == ["run no", "Lauf", "test"]
+    assert count_of_runs(np.array(numbers, dtype=float)) == count

@@ -29,6 +29,7 @@ from ema_bench_replay.recording import AT, KIND, MOTION, POINTS, Recording
 from ema_bench_replay.traces.counters import unwrap_counts
 from ema_bench_replay.traces.header_units import contradicted_unit
 from ema_bench_replay.traces.import_map import TIME_UNITS, Column, ImportMap, SignalMap
+from ema_bench_replay.traces.run_columns import how_to_read_runs, run_columns
 from ema_bench_replay.traces.trace_table import TraceTable, read_table
 from ema_bench_replay.traces.trace_writer import write_trace
 from ema_bench_replay.traces.wrapped_angle import counted_on
@@ -149,7 +150,7 @@ class _Trace:
         values = table.columns[places[0]]
         if back.size or repeats.size:
             row = int(back[0] if back.size else repeats[0])
-            how, remedy = "goes back", "cut the file there, it holds more than one run"
+            how, remedy = "goes back", f"cut the file there, it holds more than one run{self._how_to_read_runs()}"
             if not back.size:
                 how, remedy = "repeats", f"{repeats.size} of {len(values)} rows do: export it with more decimals"
                 if (stopped := _last_run(repeats, len(values))).size >= max(2.0, _STOPPED * len(values)):
@@ -163,6 +164,13 @@ class _Trace:
         if not self.map.of_points:
             self._report_steps(stamps, resolution)
         return places[0], stamps, float(values[0]), unit
+
+    def _how_to_read_runs(self) -> str:
+        """What else can be done with a file of several runs; empty if no column seems to number them."""
+        if self.map.run is not None:
+            return f"; ema-twin campaign reads each by itself, as the map has `run: {self.map.run.plain}`"
+        columns = run_columns(self.table.header)
+        return f"; or, {how_to_read_runs(columns[0])}" if columns else ""
 
     def _report_steps(self, stamps: np.ndarray, resolution: float) -> None:
         period = median(lambda: map(np.diff, overlapping(stamps)))

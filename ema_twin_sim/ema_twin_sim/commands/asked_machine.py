@@ -17,7 +17,8 @@ LEAST_RATIO, MOST_RATIO = 1e-3, 1e5
 
 
 SHAFTS = "motor", "output"
-
+_CONSTANT = "Torque per ampere [N m/A], or force [N/A] (0: not known)"
+_GIVE_A_TRACE = "give a trace, whose columns answer it: ema-twin init TRACE.csv -o NAME"
 
 _QUESTIONS = {
     "time": "Name of the time column, with its unit, as in 'time [s]'",
@@ -38,7 +39,7 @@ def asked(given: Given) -> tuple[Guesses, Given]:
     if not named.keys() & {"current", "motor_torque"} or not named.keys() & {"motor_position", "speed"}:
         raise InputError("init: a model needs a current or a torque, and a motor's position or speed; answer these")
     guesses = named_columns(named)
-    ratio = given.gear_ratio or float(_ask("Turns of the motor per turn of the output", 1.0))
+    ratio = given.gear_ratio or float(_ask("Turns of the motor per turn of the output", 1.0, "give --gear-ratio"))
     if not ratio >= LEAST_RATIO:
         raise InputError(f"init: a gear ratio of {ratio:g} is out of range; give {LEAST_RATIO:g} or more")
     shaft = given.shaft
@@ -50,10 +51,17 @@ def asked(given: Given) -> tuple[Guesses, Given]:
             raise InputError(f"init: '{shaft}' is not a shaft; answer {' or '.join(SHAFTS)}")
     constant = given.torque_constant
     if constant is None and "current" in named:
-        constant = float(_ask("Torque per ampere [N m/A], or force [N/A] (0: not known)", 0.0)) or None
+        constant = float(_ask(_CONSTANT, 0.0, "give --torque-constant")) or None
     return guesses, replace(given, gear_ratio=ratio, torque_constant=constant, shaft=shaft)
 
 
-def _ask(question: str, usual: str | float) -> str | float:
-    answer: str | float = typer.prompt(question, default=usual, show_default=usual != "", type=type(usual))
+def _ask(question: str, usual: str | float, remedy: str = _GIVE_A_TRACE) -> str | float:
+    """The answer to a question; if the input ends there, InputError with the ``remedy``, which answers it otherwise."""
+    try:
+        answer: str | float = typer.prompt(question, default=usual, show_default=usual != "", type=type(usual))
+    except typer.Abort as abort:
+        if not isinstance(abort.__context__, EOFError):
+            raise
+        typer.echo()
+        raise InputError(f'init: the input ended before an answer to "{question}"; {remedy}') from None
     return answer

@@ -163,6 +163,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     """
     import numpy as np
 
+    from ema_bench_replay.traces.run_columns import count_of_runs, how_to_read_runs, run_columns
     from ema_bench_replay.traces.trace_table import read_table
 
     from ..new_machine.columns import guess_columns
@@ -195,6 +196,11 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
             first = int(np.flatnonzero(np.isnan(numbers[name]))[0]) + 1
             said += f"; to use it, remove the rows without a value (the first is data row {first})"
         say(said)
+    for name in run_columns(guesses.left):
+        count = count_of_runs(numbers[name])
+        if count > 1:
+            say(f"{name}: seems to number {count} runs; {how_to_read_runs(name)}")
+            break
     if not guesses.signals:
         if _is_of_a_siemens_drive(trace):
             raise InputError(

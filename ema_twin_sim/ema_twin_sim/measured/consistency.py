@@ -379,6 +379,25 @@ def _times_inertia(recording: Recording, start: float, model: Model, inertia: fl
 
 def _by_friction(recording: Recording, model: Model) -> Iterator[Inconsistency]:
     """Whether the current works against inertia and friction, of whatever size, and not with them."""
+    if -1 in _signs(recording, model):
+        yield Inconsistency(
+            recording.name,
+            "the current pushes against inertia and friction, as if its sign were turned round",
+            "check the sign of current and of the positions in the import map (`factor: -1` turns one)",
+            "sign of the current",
+        )
+
+
+def sign_of_drive(recording: Recording, model: Model) -> int:
+    """The sign of a recording's current or torque: 1 if it moves the machine as read, -1 if reversed, 0 if undecided.
+
+    Recording and model are in the machine's own units.
+    """
+    return 0 if recording.of_points else next(filter(None, _signs(recording, model)), 0)
+
+
+def _signs(recording: Recording, model: Model) -> Iterator[int]:
+    """Yield the same of each piece of the recording that shows a motion."""
     ratio = model.value("machine.gear_ratio")
     for start in PIECE * np.unique(recording.time // PIECE):
         try:
@@ -393,14 +412,7 @@ def _by_friction(recording: Recording, model: Model) -> Iterator[Inconsistency]:
         if len(speed) < FEWEST:
             continue
         as_read, turned = (_least_beside(loads, needed, sign * seen.torque) for sign in (1.0, -1.0))
-        if turned < PART * as_read:
-            yield Inconsistency(
-                recording.name,
-                "the current pushes against inertia and friction, as if its sign were turned round",
-                "check the sign of current and of the positions in the import map (`factor: -1` turns one)",
-                "sign of the current",
-            )
-            return
+        yield -1 if turned < PART * as_read else int(as_read < PART * turned)
 
 
 def _least_beside(free: np.ndarray, positive: np.ndarray, torque: np.ndarray) -> float:

@@ -17,7 +17,9 @@ from ema_bench_replay.recording import AT_EITHER_SHAFT, MOTION, Recording
 from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.units import unit_in
 
+from ..measured.consistency import sign_of_drive
 from ..measured.load_sensor import falls_with_load, follows_load, times_current
+from ..measured.scales import to_own_units
 from ..measured.way_by_speed import standing_position
 from ..model import load_model
 from ..model.constants import CONSTANTS
@@ -30,6 +32,7 @@ from .shaft import Shaft, is_possible, position_shaft, ratio_of_positions, too_s
 from .unit_questions import questions_about_units
 
 _OUTPUTS = ("output_position", "output_command")
+_DRIVE = ("current", "current_setpoint", "motor_torque")
 
 
 class Drafts(NamedTuple):
@@ -52,6 +55,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
 
     Raises InputError if a trace cannot be read with the drafts.
     """
+    as_guessed = guesses
     of = traces[0].name if traces else f"{given.name}'s traces"
     shaft = Shaft(given.shaft or "motor")
     drafted = draft_map(guesses, of, shaft)
@@ -75,15 +79,18 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     if left_out:
         guesses = guesses.without(tuple(left_out))
         recordings = _read(draft_map(guesses, of, shaft), traces)
-    assumed = []
+    assumed, shown = [], []
+    drives = ", ".join(guess.column for guess in guesses.signals if guess.signal in _DRIVE)
+    turned_drive = any(guess.turned_round for guess in guesses.signals if guess.signal in _DRIVE)
+    if turned_drive:
+        shown.append(f"{drives} turned round (`factor: -1` in the map): as recorded, it acts against the motion")
     if falls_with_load(recordings):
-        guesses = replace(guesses, signals=tuple(_turned_round(guess, ("load_torque",)) for guess in guesses.signals))
+        guesses = replace(guesses, signals=_all_turned(guesses, ("load_torque",)))
         recordings = _read(draft_map(guesses, of, shaft), traces)
-        columns = ", ".join(g.column for g in guesses.signals if g.turned_round)
+        columns = ", ".join(g.column for g in guesses.signals if g.turned_round and g.signal == "load_torque")
         assumed.append(f"{columns}: sign reversed, because the drive's torque falls when it rises")
-    shown = []
     if _turns_back(recordings):
-        guesses = replace(guesses, signals=tuple(_turned_round(guess, _OUTPUTS) for guess in guesses.signals))
+        guesses = replace(guesses, signals=_all_turned(guesses, _OUTPUTS))
         recordings = _read(draft_map(guesses, of, shaft), traces)
         columns = ", ".join(g.column for g in guesses.signals if g.turned_round and g.signal in _OUTPUTS)
         shown.append(f"{columns} turned round (`factor: -1` in the map), since the output turns against the motor")
@@ -108,6 +115,17 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
             "'motor position [rad]', and run init again)"
         )
     model = checked_model(recordings, given, shaft, source)
+    if drives and not turned_drive:
+        sign = _sign_of_drive(recordings, model)
+        if sign < 0:  # all else is judged again with it
+            return checked_drafts(replace(as_guessed, signals=_all_turned(as_guessed, _DRIVE)), given, traces)
+        if sign > 0:
+            shown.append(f"sign of {drives} (positive drives forwards)")
+        else:
+            assumed.append(
+                f"{drives}: positive drives forwards, which the recordings do not show clearly (otherwise add "
+                "`factor: -1` to its line of the map)"
+            )
     asked = (*questions, *model.questions)
     warnings = tuple(warning for recording in recordings for warning in recording.warnings)
     return Drafts(
@@ -156,9 +174,21 @@ def _turns_back(recordings: Sequence[Recording]) -> bool:
     return bool(shown) and max(shown) < 0.0
 
 
-def _turned_round(guess: Guess, signals: Sequence[str]) -> Guess:
-    """The column of one of these ``signals``, to be read with its sign reversed; other columns unchanged."""
-    return replace(guess, turned_round=True) if guess.signal in signals else guess
+def _all_turned(guesses: Guesses, signals: Sequence[str]) -> tuple[Guess, ...]:
+    """All columns, those of these ``signals`` to be read with their sign reversed."""
+    return tuple(replace(each, turned_round=True) if each.signal in signals else each for each in guesses.signals)
+
+
+def _sign_of_drive(recordings: Sequence[Recording], model: ModelDraft) -> int:
+    """Whether current or torque drives the motion as read (1) or reversed (-1) in the longest motion; 0: undecided."""
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder) / "model.yaml"
+        place.write_text(model.text)
+        try:
+            (own, *_), its_model = to_own_units([farthest(recordings)], load_model(place))
+            return sign_of_drive(own, its_model)
+        except InputError:  # whatever needs the motion will report this
+            return 0
 
 
 def _of_the_output(guess: Guess, why: str) -> Guess:

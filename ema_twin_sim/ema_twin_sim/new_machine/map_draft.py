@@ -59,7 +59,9 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
 
     turned = ", factor: -1" if guess.turned_round else ""
     of_load = guess.signal == "load_torque"
-    why = "the drive's torque falls when it rises" if of_load else "the output turns against the motor"
+    why = "the output turns against the motor" if guess.signal.startswith("output") else "it acts against the motion"
+    if of_load:
+        why = "the drive's torque falls when it rises"
     sign = f"sign reversed: {why}" if guess.turned_round else ""
     shown = f"  # {sign}" if sign and not of_load else ""  # without a mark: the positions show it
     if guess.unit == COUNTS:

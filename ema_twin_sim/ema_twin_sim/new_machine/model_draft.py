@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ import yaml
 
 from ema_bench_replay.long_columns import divided, times
 from ema_bench_replay.recording import AT, AT_EITHER_SHAFT, Recording
-from ema_bench_replay.units import signal_unit, unit_in
+from ema_bench_replay.units import signal_unit, unit_in, units_of
 
 from ..model.check_comment import ASSUMED, CHECK, REMEDIES, check_comment
 from ..model.constants import CONSTANTS
@@ -34,11 +34,12 @@ from .shaft import (
     whole_ratio,
 )
 from .speed_lag import speed_lag
-from .steps import smallest_step
+from .steps import is_decimal, smallest_step
 from .torque_constant import question_about, told_at_joint
 from .usual_counts import usual_counts
 
 SMALLEST_STEP = "smallest step of the recording"
+LAST_DIGIT = "last digit of the recording"  # begins the source of a step that shows the text and no encoder
 ONE_AMPERE_IS = "one ampere means one"  # ends the source of a noise that is the torque's, followed by its unit
 AS_FINE_AS_NOISE = "as fine as the noise of the recording"
 DEPENDED_ON = ("motor_position", "speed", "load_torque")
@@ -275,8 +276,11 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
         position = _finite(recording.signals[f"{side}_position"])
         geared = ratio if side == "motor" else 1.0
         step, source = smallest_step(position), SMALLEST_STEP
-        if counts := _counts_of_the_map(recording, f"{side}_position"):
-            step, source = turn / counts * geared, "counts of the import map"
+        column = _column_of_the_map(recording, f"{side}_position")
+        if counts := column.get("counts_per_revolution"):
+            step, source = turn / float(counts) * geared, "counts of the import map"
+        elif step is not None and (digit := _last_digit(step / geared, str(column.get("unit")), motion)):
+            source = f"{LAST_DIGIT} ({digit})"
         if step is None:  # a counter whose steps would make as much noise
             step, source = math.sqrt(12.0) * reading_noise(position), AS_FINE_AS_NOISE
         bounds = CONSTANTS[f"sensors.{side}_encoder_counts"]
@@ -308,11 +312,24 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
     return lines
 
 
-def _counts_of_the_map(recording: Recording, signal: str) -> float | None:
-    """The counts per turn with which a recording was read; None if the column is not a counter's."""
+def _column_of_the_map(recording: Recording, signal: str) -> Mapping[str, float | str]:
+    """What the import map with which a recording was read says of a signal's column; empty if it says nothing."""
     content = yaml.safe_load(recording.metadata.get("map_text", "")) or {}
-    counts = content.get("signals", {}).get(signal, {}).get("counts_per_revolution")
-    return None if counts is None else float(counts)
+    column: Mapping[str, float | str] = content.get("signals", {}).get(signal, {})
+    return column
+
+
+def _last_digit(step: float, unit: str, motion: str) -> str:
+    """A position's step (in SI) as ``0.001 deg``, in its column's ``unit``, if it is the text's last digit; else empty.
+
+    Encoders have round numbers of counts per turn, so a step that is round in degrees or radians shows the text.
+    """
+    size = units_of("motor_position", motion).get(unit)
+    if size is None or not is_decimal(step / size, (1.0,)):
+        return ""
+    if unit == "rev" and usual_counts(1.0 / (step / size)) is not None:
+        return ""
+    return f"{10.0 ** round(math.log10(step / size)):g} {unit}"
 
 
 def _noise(recording: Recording, signal: str) -> float:

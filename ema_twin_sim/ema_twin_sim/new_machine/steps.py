@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 
-from ..criteria import NEARLY_ALL
+from ..criteria import NEARLY_ALL, NEGLIGIBLE
 
 _SHARES = (0.2, 0.05)  # of the steps between neighbouring values that may be single steps
 
@@ -24,3 +27,9 @@ def smallest_step(values: np.ndarray) -> float | None:
         if float(np.quantile(np.abs(parts - np.rint(parts)), 0.9)) < 0.1:
             return smallest
     return None
+
+
+def is_decimal(step: float, digits: Sequence[float] = (1.0, 2.0, 5.0)) -> bool:
+    """Whether a step is one of these ``digits`` of a decimal place."""
+    leading = step / 10.0 ** math.floor(math.log10(step) + NEGLIGIBLE)
+    return any(abs(leading / digit - 1.0) < NEGLIGIBLE for digit in digits)

@@ -13,7 +13,7 @@ from ..model.check_comment import ASSUMED, CHECK
 from ..model.model_file import ABSENT
 from ..quantities import quantity
 from .columns import Guess, Guesses
-from .model_draft import AS_FINE_AS_NOISE, ONE_AMPERE_IS
+from .model_draft import AS_FINE_AS_NOISE, LAST_DIGIT, ONE_AMPERE_IS
 
 _TOLD = {
     "machine.gear_ratio": "gear ratio",
@@ -93,7 +93,10 @@ def _values(model: Model) -> Iterator[tuple[str, str, str]]:
             name, unit = told, model.unit(path)
             if ONE_AMPERE_IS in held.source:
                 name, unit = "noise of the torque", signal_unit("motor_torque", model.motion)
-            if unit in _PER:
+            if held.source.startswith(LAST_DIGIT):
+                digit = held.source[len(LAST_DIGIT) :].strip(" ()")
+                yield path, f"{name.split()[0]} position", f"in steps of {digit} (the last digit of its column)"
+            elif unit in _PER:
                 yield path, name, f"{held.value:.0f} counts per {_PER[unit]}"
             else:
                 yield path, name, f"{held.value:.4g}" if unit == "1" else quantity(held.value, unit)

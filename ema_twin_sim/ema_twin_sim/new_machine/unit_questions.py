@@ -13,9 +13,8 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 from ema_bench_replay.units import units_of
 
-from ..criteria import NEGLIGIBLE
 from ..measured.usual_sizes import unusual_sizes
-from .steps import smallest_step
+from .steps import is_decimal, smallest_step
 from .usual_counts import usual_counts
 
 
@@ -45,12 +44,6 @@ def _by_counts(recording: Recording, units: Mapping[str, str | None]) -> Iterato
                     f"column in {_WORDS.get(unit, unit)}, and read as {read}?"
                 )
                 return
-
-
-def is_decimal(step: float) -> bool:
-    """Whether a step is 1, 2 or 5 of a decimal place."""
-    leading = step / 10.0 ** math.floor(math.log10(step) + NEGLIGIBLE)
-    return any(abs(leading / digit - 1.0) < NEGLIGIBLE for digit in (1.0, 2.0, 5.0))
 
 
 _WORDS = {"deg": "degrees", "rev": "turns", "rad": "radians"}

@@ -21,8 +21,7 @@ from ..measured.usual_sizes import USUAL
 from ..measured.way_by_speed import steady_factor
 from .columns import Guess, Guesses
 from .products import with_products_units
-from .steps import smallest_step
-from .unit_questions import is_decimal
+from .steps import is_decimal, smallest_step
 from .usual_counts import usual_counts
 
 SLOWEST_SAMPLES = 0.1
