@@ -16,6 +16,22 @@ def first_of(names: Sequence[str]) -> str:
     return f"{names[0]} and {len(names) - 1} more" if len(names) > 1 else names[0]
 
 
+def by_recording(warnings: Iterable[str], most: int = 5) -> list[str]:
+    """Warnings that begin with a recording's name: one for all recordings with the same, naming up to ``most`` of them.
+
+    ``a.csv: text`` and ``b.csv: text`` are ``a.csv and b.csv: text``.
+    """
+    of_text: dict[str, list[str]] = {}
+    for warning in dict.fromkeys(warnings):
+        name, colon, text = warning.partition(": ")
+        of_text.setdefault(f"{colon}{text}" if colon else warning, []).append(name if colon else "")
+    found = []
+    for text, names in of_text.items():
+        shown = names if len(names) <= most else [*names[: most - 1], f"{len(names) - most + 1} more"]
+        found.append(f"{listed(shown)}{text}")
+    return found
+
+
 def number_of(count: int, one: str) -> str:
     """``1 line``, ``3 lines``."""
     return f"{count} {one}" if count == 1 else f"{count} {one}s"

@@ -222,7 +222,7 @@ class _Trace:
         if not near and signal.signal not in _NEEDED:
             return
         remedy = f"correct the map if {near[0]!r} is meant" if near else "the recording is read without it"
-        none = "which is" if len(signal.columns) == 1 else "none of which is"
+        none = "which is not" if len(signal.columns) == 1 else "none of which is"
         self._warn(f"the map {self.map.name!r} reads the {signal_words} from {missed}, {none} there; {remedy}")
 
     def _report_unit(self, signal: SignalMap, column: str) -> None:

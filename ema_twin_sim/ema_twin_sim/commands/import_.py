@@ -47,43 +47,44 @@ def run(
     from ema_bench_replay.traces.import_map import load_map
     from ema_bench_replay.traces.trace_csv import read_trace
 
-    from .inputs import refuse_inputs, warn_or_refuse, write_json
+    from .inputs import refuse_inputs, warned_or_refused, write_json
 
     chosen = load_map(import_map)
     _check_files(files, topic)
     refuse_inputs(files, json)
     written = []
     begin = time.perf_counter()
-    for file, of_file in _each(files):
-        if topic is None:
-            recording = read_trace(file, chosen, of_file)
-        else:
-            recording = read_bag(file, topic=topic, progress=of_file).from_zero()
-            recording = replace(recording, name="_".join([recording.name, *topic.split("/")[1:]]))
-        warn_or_refuse(recording.warnings, strict=strict)
-        path = write_bag(recording, output, force=force)
-        written.append(
-            {
-                "source": str(file),
-                "recording": str(path),
-                "samples": len(recording),
-                "duration": recording.duration,
-                "signals": list(recording.signals),
-                "warnings": list(recording.warnings),
-            }
-        )
-        sought = [signal.signal for signal in chosen.signals] if topic is None else []
-        absent = [signal for signal in sought if signal not in recording.signals]
-        every = quantity(recording.sample_period, "s")
-        held = f"{len(recording)} samples, {recording.duration:.2f} s, every {every}"
-        if recording.of_points:
-            held = f"{len(recording)} operating points"
-        console.print(
-            f"{file.name}: {held}; {', '.join(recording.signals)}"
-            + (f" (not in this trace: {', '.join(absent)})" if absent else "")
-            + f"\n  → {path}",
-            soft_wrap=True,
-        )
+    with warned_or_refused(strict=strict) as warnings_of:
+        for file, of_file in _each(files):
+            if topic is None:
+                recording = read_trace(file, chosen, of_file)
+            else:
+                recording = read_bag(file, topic=topic, progress=of_file).from_zero()
+                recording = replace(recording, name="_".join([recording.name, *topic.split("/")[1:]]))
+            warnings_of(recording)
+            path = write_bag(recording, output, force=force)
+            written.append(
+                {
+                    "source": str(file),
+                    "recording": str(path),
+                    "samples": len(recording),
+                    "duration": recording.duration,
+                    "signals": list(recording.signals),
+                    "warnings": list(recording.warnings),
+                }
+            )
+            sought = [signal.signal for signal in chosen.signals] if topic is None else []
+            absent = [signal for signal in sought if signal not in recording.signals]
+            every = quantity(recording.sample_period, "s")
+            held = f"{len(recording)} samples, {recording.duration:.2f} s, every {every}"
+            if recording.of_points:
+                held = f"{len(recording)} operating points"
+            console.print(
+                f"{file.name}: {held}; {', '.join(recording.signals)}"
+                + (f" (not in this trace: {', '.join(absent)})" if absent else "")
+                + f"\n  → {path}",
+                soft_wrap=True,
+            )
     size = sum(one.stat().st_size for file in files for one in (file.glob("*.mcap") if file.is_dir() else [file]))
     seconds = time.perf_counter() - begin
     console.print(f"{number_of(len(files), 'file')}, {quantity(size, 'B')} in {seconds:.2f} s", style="dim")

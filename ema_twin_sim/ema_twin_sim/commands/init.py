@@ -10,6 +10,7 @@ import typer
 
 from ema_bench_replay.errors import InputError
 
+from ..listing import by_recording
 from . import options
 from .asked_machine import LEAST_RATIO, MOST_RATIO, asked
 from .output import say, warn
@@ -126,7 +127,7 @@ def run(
         warn_of_foreign_units(guesses)
         joint = (guesses.joint.sentence,) if guesses.joint.number else ()
         say_what_it_rests_on(*files, (*joint, *assumed_units(guesses), *drafts.assumed), drafts.known)
-    for told in (*drafts.warnings, *drafts.questions):
+    for told in (*by_recording(drafts.warnings), *drafts.questions):
         warn(told)
     say_next(files, drafts, guesses, [quote(str(trace)) for trace in traces] or ["TRACE.csv"], holed)
 
@@ -142,7 +143,7 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
     if not traces:
         raise InputError("init: --map needs a recording; give one, or leave --map out to answer questions")
     recordings = [load(trace, import_map=map_file) for trace in traces]
-    for warning in (warning for recording in recordings for warning in recording.warnings):
+    for warning in by_recording(warning for recording in recordings for warning in recording.warnings):
         warn(warning)
     shaft = Shaft(recordings[0].metadata.get(f"motor_position{AT}", "motor"), given.gear_ratio)
     model = checked_model(recordings, given, shaft, str(traces[0]))

@@ -6,7 +6,8 @@ import json
 import math
 import tempfile
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -17,7 +18,7 @@ from ema_bench_replay.load import load
 from ema_bench_replay.outputs import new_file
 from ema_bench_replay.recording import Recording
 
-from ..listing import number_of
+from ..listing import by_recording, number_of
 from .output import counted, warn
 
 
@@ -39,25 +40,38 @@ def load_runs(
     found = _together(_each_once([file for path in paths for file in find_recordings(path)]))
     files = [parts[0] for parts in found]
     recordings = []
-    for file, recording in zip(files, _read(found, import_map), strict=True):
-        warn_or_refuse(recording.warnings, strict=strict)
-        if start is not None or end is not None:
-            recording = recording.between(start, end)
-        if len(recording) < least:
-            raise InputError(
-                f"{file}: has {number_of(len(recording), 'sample')}, and {least} are needed; check --from and --to"
-            )
-        recordings.append(recording)
+    with warned_or_refused(strict=strict) as warnings_of:
+        for file, recording in zip(files, _read(found, import_map), strict=True):
+            warnings_of(recording)
+            if start is not None or end is not None:
+                recording = recording.between(start, end)
+            if len(recording) < least:
+                raise InputError(
+                    f"{file}: has {number_of(len(recording), 'sample')}, and {least} are needed; check --from and --to"
+                )
+            recordings.append(recording)
     names = _told_apart([recording.name for recording in recordings], files)
     return [replace(recording, name=name) for recording, name in zip(recordings, names, strict=True)]
 
 
-def warn_or_refuse(warnings: Sequence[str], *, strict: bool) -> None:
-    """Print what is wrong with a recording; if ``strict``, raise InputError with the first of it."""
-    if strict and warnings:
-        raise InputError(f"{warnings[0]} (--strict refuses this; without it, it is only a warning)")
-    for warning in warnings:
-        warn(warning)
+@contextmanager
+def warned_or_refused(*, strict: bool) -> Iterator[Callable[[Recording], None]]:
+    """Print what is wrong with recordings, once for all in which it is the same, after all of them are read.
+
+    Gives a function that takes each recording; if ``strict``, it raises InputError with the first of it.
+    """
+    warnings: list[str] = []
+
+    def take(recording: Recording) -> None:
+        if strict and recording.warnings:
+            raise InputError(f"{recording.warnings[0]} (--strict refuses this; without it, it is only a warning)")
+        warnings.extend(recording.warnings)
+
+    try:
+        yield take
+    finally:
+        for warning in by_recording(warnings):
+            warn(warning)
 
 
 def _read(found: Sequence[tuple[Path, ...]], import_map: str) -> Iterator[Recording]:

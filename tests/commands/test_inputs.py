@@ -1,0 +1,46 @@
+"""What is wrong with recordings is told once for all of them, when they are read."""
+
+import pytest
+
+from ema_bench_replay.errors import InputError
+from ema_twin_sim.commands.inputs import load_runs
+from ema_twin_sim.listing import by_recording
+
+MAP = """version: 1
+time: {column: t, unit: s}
+signals:
+  current: {columns: [i], unit: A}
+  speed: {columns: [w], unit: rad/s}
+"""
+
+
+def written(folder, *names):
+    """Traces without the speed that their map names, and that map."""
+    (folder / "map.yaml").write_text(MAP)
+    for name in names:
+        (folder / name).write_text("t,i\n0.0,1.0\n0.1,2.0\n0.2,1.0\n")
+    return [folder / name for name in names], str(folder / "map.yaml")
+
+
+def test_the_same_warning_of_several_recordings_is_told_once(tmp_path, capsys):
+    files, map_file = written(tmp_path, "a.csv", "b.csv", "c.csv")
+    load_runs(files, import_map=map_file)
+    (told,) = (line for line in capsys.readouterr().err.splitlines() if "reads the speed" in line)
+    assert told.startswith(
+        "warning: a.csv, b.csv and c.csv: the map 'map' reads the speed from 'w', which is not there"
+    )
+
+
+def test_a_strict_reader_refuses_the_first(tmp_path):
+    files, map_file = written(tmp_path, "a.csv", "b.csv")
+    with pytest.raises(InputError, match=r"^a\.csv: the map .*--strict"):
+        load_runs(files, import_map=map_file, strict=True)
+
+
+def test_of_many_recordings_some_are_named():
+    many = [f"run_{k}.csv: cut" for k in range(9)]
+    assert by_recording([*many, "run_0.csv: late"]) == [
+        "run_0.csv, run_1.csv, run_2.csv, run_3.csv and 5 more: cut",
+        "run_0.csv: late",
+    ]
+    assert by_recording(many[:5])[0].endswith("run_3.csv and run_4.csv: cut")
