@@ -54,14 +54,14 @@ def test_a_file_of_points(tmp_path):
     ],
 )
 def test_what_is_no_command_is_refused_with_the_forms(text):
-    with pytest.raises(InputError, match=r"ramp:RAD_PER_S|text file") as refused:
+    with pytest.raises(InputError, match=r"ramp:SPEED|text file") as refused:
         parse_command(text)
     assert text in str(refused.value)
 
 
 def test_a_command_that_grows_too_large_is_refused(tmp_path):
     assert parse_command("ramp:1e5")(np.array([0.0, 9.0])).max() == 9e5
-    with pytest.raises(InputError, match=r"'ramp:1e5': grows beyond 1e\+06 rad;"):
+    with pytest.raises(InputError, match=r"'ramp:1e5': grows beyond 1e\+06 rad or m;"):
         parse_command("ramp:1e5")(np.array([0.0, 11.0]))
     path = tmp_path / "points.csv"
     path.write_text("0,0\n1,1e300\n")
@@ -87,3 +87,11 @@ def test_bad_points_are_refused_with_their_line(tmp_path, lines):
     path.write_text(lines)
     with pytest.raises(InputError, match=r"points\.csv"):
         parse_command(str(path))
+
+
+def test_numbers_of_a_linear_machine_are_in_metres():
+    recording = virtual_bench(load_model("emps"), parse_command("ramp:0.05"), 1.0, seed=None)
+    assert recording.motion == "linear"
+    assert recording.signals["output_command"][-1] == pytest.approx(0.05)
+    with pytest.raises(InputError, match=r"takes 1 number \[rad/s or m/s\]"):
+        parse_command("ramp:1:2")

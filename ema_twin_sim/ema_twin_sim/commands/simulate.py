@@ -25,15 +25,18 @@ ema-twin simulate --model polito_bench --command ramp:0.05 -o ramp.mcap
 
 ema-twin simulate --model better.yaml --command sine:0.02:1 --seconds 10 --seed 3 -o sine.CSV
 
-Commands, of the slow shaft: ramp:RAD_PER_S, sine:RAD:HZ, triangle:RAD_PER_S:HALF_PERIOD_S, step:RAD:HALF_PERIOD_S, \
-or a file: lines of time in s, value in rad, or the YAML that plan wrote; prefix speed- for a speed command \
-(speed-ramp is rad/s2)."""
+ema-twin simulate --model emps --command triangle:0.05:1 -o slide.mcap      (a linear machine: 0.05 m/s)
+
+Commands, of the output: ramp:SPEED, sine:SIZE:HZ, triangle:SPEED:HALF_PERIOD_S, step:SIZE:HALF_PERIOD_S, or a file: \
+lines of time in s and position, or the YAML that plan wrote. Positions are in rad and speeds in rad/s; of a linear \
+machine in m and m/s. With the prefix speed-, it is the speed that follows the shape (speed-sine:0.1:1 goes up to 0.1 \
+rad/s, speed-ramp:0.1 gains 0.1 rad/s each second)."""
 
 
 def run(
     model: options.ModelName,
     command: Annotated[
-        str, typer.Option("--command", "-c", metavar="KIND:A:B|FILE", help="The command for the bench.")
+        str, typer.Option("--command", "-c", metavar="KIND:A:B|FILE", help="The command for the bench; see below.")
     ],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="RUN", help="RUN.mcap or RUN.CSV to write.")],
     seconds: Annotated[
@@ -51,8 +54,8 @@ def run(
         typer.Option(
             "--offset",
             metavar="SIZE",
-            parser=options.number(-options.LARGEST, options.LARGEST, "rad or rad/s"),
-            help="Added to the command, in rad or rad/s.",
+            parser=options.number(-options.LARGEST, options.LARGEST, "rad or rad/s (m or m/s if linear)"),
+            help="Added to the command, in rad or rad/s (m or m/s if the machine is linear).",
         ),
     ] = 0.0,
     phase: Annotated[

@@ -35,7 +35,7 @@ PARAMETERS = (
     ),
     Declaration("from_start", True, "also take samples that the bench sent before this node started"),
     Declaration("command", "sine:0.02:1", f"command of a standalone twin: {FORMS}"),
-    Declaration("command_start", 0.0, "added to the command", "rad or rad/s of the slow shaft", -1e6, 1e6),
+    Declaration("command_start", 0.0, "added to the command", "rad or rad/s (m or m/s) of the output", -1e6, 1e6),
     Declaration("command_phase", 0.0, "phase that a periodic command begins with", "rad", -10.0, 10.0),
     Declaration("rate", 500.0, "samples a second of a standalone twin", "Hz", 1.0, 2000.0),
 )

@@ -21,14 +21,15 @@ from ema_bench_replay.units import unit_in
 from ..listing import number_of
 
 _SHAPES = {
-    "ramp": ("rad/s", None),
-    "sine": ("rad", "Hz"),
-    "triangle": ("rad/s", "s (half period)"),
-    "step": ("rad", "s (half period)"),
+    "ramp": ("rad/s or m/s", None),
+    "sine": ("rad or m", "Hz"),
+    "triangle": ("rad/s or m/s", "s (half period)"),
+    "step": ("rad or m", "s (half period)"),
 }
 FORMS = (
-    "ramp:RAD_PER_S, sine:RAD:HZ, triangle:RAD_PER_S:HALF_PERIOD_S, step:RAD:HALF_PERIOD_S, prefix speed- for a speed "
-    "command, a CSV file of time [s], value [rad], or a YAML file that plan wrote"
+    "ramp:SPEED, sine:SIZE:HZ, triangle:SPEED:HALF_PERIOD_S, step:SIZE:HALF_PERIOD_S (rad and rad/s; m and m/s of a "
+    "linear machine), prefix speed- for a speed command, a CSV file of time [s], position [rad or m], or a YAML file "
+    "that plan wrote"
 )
 _WORDS = {
     "ramp": "a ramp of {0:g} {unit}/s",
@@ -38,12 +39,12 @@ _WORDS = {
 }
 
 LARGEST = 1e6
-"""Largest command: rad or rad/s of the slow shaft, and Hz or s of a shape."""
+"""Largest command: rad or rad/s (m or m/s) of the output, and Hz or s of a shape."""
 
 
 @dataclass(frozen=True)
 class Command:
-    """A command of the slow shaft: position [rad] over time [s], or speed [rad/s] if ``speed``.
+    """A command of the output: position [rad] over time [s], or speed [rad/s] if ``speed``; m and m/s if it is linear.
 
     Calling it with times (n,) gives values (n,).
     """
@@ -64,7 +65,7 @@ class Command:
         with np.errstate(all="ignore"):  # overflow is refused below
             values = self.function(np.asarray(time, np.float64))
         if not np.all(np.abs(values) <= LARGEST):
-            unit = "rad/s" if self.speed else "rad"
+            unit = "rad/s or m/s" if self.speed else "rad or m"
             raise InputError(
                 f"command '{self.text}': grows beyond {LARGEST:g} {unit}; give a smaller one, or less time"
             )
@@ -162,7 +163,7 @@ def _from_yaml(path: Path, start: float, phase: float) -> Command:
 
 
 def _from_file(path: Path, start: float) -> Callable[[np.ndarray], np.ndarray]:
-    """Points from a file, one line each with time [s] and value [rad]; interpolated linearly."""
+    """Points from a file, one line each with time [s] and value [rad or m]; interpolated linearly."""
     points: list[tuple[float, float]] = []
     try:
         lines = path.read_text("utf-8-sig").splitlines()
@@ -177,7 +178,9 @@ def _from_file(path: Path, start: float) -> Callable[[np.ndarray], np.ndarray]:
         try:
             time, value = map(float, fields)
         except ValueError:
-            raise InputError(f"{path}:{number}: '{line.strip()}' is not time [s], value [rad]; mend the line") from None
+            raise InputError(
+                f"{path}:{number}: '{line.strip()}' is not time [s], position [rad or m]; mend the line"
+            ) from None
         if not (math.isfinite(time) and math.isfinite(value)) or (points and time <= points[-1][0]):
             raise InputError(f"{path}:{number}: time must grow and numbers be finite; mend the line")
         points.append((time, value))
