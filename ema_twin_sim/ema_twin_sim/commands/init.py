@@ -72,7 +72,12 @@ def run(
     ] = None,
     import_map: Annotated[
         str | None,
-        typer.Option("--map", metavar="MAP", help="An existing import map; only the model is written."),
+        typer.Option(
+            "--map",
+            metavar="MAP",
+            help="An existing import map; only the model is written.",
+            autocompletion=options.map_names,
+        ),
     ] = None,
     operating_points: Annotated[
         bool,

@@ -40,10 +40,31 @@ def _within(read: Callable[[str], N], kind: str, lower: N, upper: N, bounds: str
 
 
 def model_names(incomplete: str) -> list[str]:
-    """Models of the configuration whose names begin like this, for tab completion."""
+    """Models of the configuration, and YAML files, whose names begin like this, for tab completion."""
+    return _configured("models", incomplete)
+
+
+def map_names(incomplete: str) -> list[str]:
+    """Import maps of the configuration, and YAML files, whose names begin like this, for tab completion."""
+    return _configured("maps", incomplete)
+
+
+def _configured(kind: str, incomplete: str) -> list[str]:
     from ema_bench_replay.configuration import configuration_names
 
-    return [name for name in configuration_names("models") if name.startswith(incomplete)]
+    files = [f"{path}/" if path.is_dir() else str(path) for path in _paths(incomplete)]
+    names = [name for name in configuration_names(kind) if name.startswith(incomplete)]
+    return [*names, *(file for file in files if file.endswith(("/", ".yaml", ".yml")))]
+
+
+def _paths(incomplete: str) -> list[Path]:
+    """Files and folders whose paths begin like this, as a shell completes them."""
+    folder, slash, begin = incomplete.rpartition("/")
+    try:
+        inside = sorted(Path(f"{folder}{slash}" or ".").iterdir())
+    except OSError:
+        return []
+    return [path for path in inside if path.name.startswith(begin) and (begin or not path.name.startswith("."))]
 
 
 def effect_names(incomplete: str) -> list[str]:
@@ -51,6 +72,26 @@ def effect_names(incomplete: str) -> list[str]:
     from ..effects import catalogue
 
     return [id for id in catalogue() if id.startswith(incomplete)]
+
+
+def effects_of_model(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Effects of the model that was named before, else of the catalogue, that begin like this, for tab completion."""
+    from ema_bench_replay.errors import InputError
+
+    from ..model import load_model
+
+    try:
+        names = list(load_model(ctx.params["model"]).effects)
+    except (KeyError, TypeError, InputError):
+        return effect_names(incomplete)
+    return [name for name in names if name.startswith(incomplete)]
+
+
+def input_names(incomplete: str) -> list[str]:
+    """Inputs of a twin that begin like this, for tab completion."""
+    from ..simulation.simulate import DRIVING
+
+    return [name for name in DRIVING if name.startswith(incomplete)]
 
 
 def of_json(path: Path | None) -> Path | None:
@@ -149,7 +190,10 @@ Rate = Annotated[
         help="Replay speed relative to real time; 0: as fast as possible.",
     ),
 ]
-ImportMap = Annotated[str, typer.Option("--map", help="Import map of CSVs: a file or a name in config/maps.")]
+ImportMap = Annotated[
+    str,
+    typer.Option("--map", help="Import map of CSVs: a file or a name in config/maps.", autocompletion=map_names),
+]
 From = Annotated[
     float | None, typer.Option("--from", metavar="S", parser=SECONDS, help="Start at this time, in seconds.")
 ]
@@ -159,6 +203,7 @@ Input = Annotated[
     typer.Option(
         "--input",
         help="Input of the twin: setpoint, current or command; by default chosen from the recording's signals.",
+        autocompletion=input_names,
     ),
 ]
 Step = Annotated[

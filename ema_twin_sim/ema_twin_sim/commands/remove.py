@@ -17,7 +17,14 @@ ema-twin remove coulomb_friction_2 --model polito_bench -o motor_side_only.yaml"
 
 
 def run(
-    effect: Annotated[str, typer.Argument(metavar="EFFECT", help="An effect's id (all its instances), or ID_2 (one).")],
+    effect: Annotated[
+        str,
+        typer.Argument(
+            metavar="EFFECT",
+            help="An effect's id (all its instances), or ID_2 (one).",
+            autocompletion=options.effects_of_model,
+        ),
+    ],
     model: options.ModelName,
     output: options.NewModel,
     with_files: options.WithFiles = None,
