@@ -69,7 +69,7 @@ def test_numbers_of_the_model_are_changed_and_effects_that_it_lacks_are_added():
     assert true.effects["coulomb_friction"].parameters["torque"] == 0.1
     assert true.value("machine.motor_inertia") == 1e-3
     assert lacked == {"backlash": {"width": 2e-3}} and true.effects["backlash"].parameters["width"] == 2e-3
-    with pytest.raises(InputError, match="did you mean 'backlash'"):
+    with pytest.raises(InputError, match=r"did you mean 'backlash\.width'"):
         with_settings(model, [("backlsh.width", 1.0)])
 
 

@@ -159,7 +159,8 @@ def with_settings(model: Model, settings: Sequence[tuple[str, float]]) -> tuple[
         elif owner in catalogue():
             lacked.setdefault(owner, {})[name] = value
         else:
-            raise InputError(f"--vary {path}: unknown parameter of this model; {nearest(owner, tuple(catalogue()))}")
+            known = [f"{id}.{one.name}" for id, effect in catalogue().items() for one in effect.parameters]
+            raise InputError(f"--vary {path}: unknown parameter of this model; {nearest(path, (*CONSTANTS, *known))}")
     for id, numbers in lacked.items():
         model = model.with_effect(id, numbers)
     return model, lacked

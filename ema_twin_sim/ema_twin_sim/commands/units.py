@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -16,6 +17,7 @@ from ..words.units import (
     RESULT_HEAD,
     TEST_HEAD,
     change_of,
+    fleet_words,
     health_words,
     life_words,
     missing_words,
@@ -23,6 +25,7 @@ from ..words.units import (
     number_words,
     result_cells,
     test_cells,
+    unit_words,
 )
 from . import options
 from .output import console, say, warn
@@ -51,6 +54,8 @@ ema-twin units results --unit EMA-007 --rrd history.rrd
 ema-twin units results --unit rig --healthy "^normal"     (after campaign --do health: what its other tests are like)"""
 
 _MONTH = 30.0  # days
+_ROWS = 20
+"""Rows of a table that are shown unless all are asked for."""
 
 
 def run(
@@ -75,6 +80,9 @@ def run(
         Path | None,
         typer.Option("--page", metavar="FOLDER", help="Also write pages: FOLDER/index.html, and one of each unit."),
     ] = None,
+    whole: Annotated[
+        bool, typer.Option("--all", help="Show all rows of the tables, however many; by default the most telling.")
+    ] = False,
     rrd: Annotated[
         Path | None,
         typer.Option("--rrd", metavar="FILE.rrd", help="Also write the history of --unit as views for rerun."),
@@ -94,6 +102,7 @@ def run(
     from ..campaign.store import Store
     from ..campaign.unit_health import unit_health
     from ..campaign.units import units_of
+    from ..model.model import nearest
     from .inputs import write_json
 
     check_rrd_name(rrd)
@@ -102,20 +111,33 @@ def run(
     of_numbers = read_limits(limits)
     known_good = Healthy.of(healthy, FEWEST_HEALTHY)
     found = units_of(Store.opened(results).rows())
+    names = tuple(one.name for one in found)
+    if known_good.pattern and not any(known_good.pattern.search(row["name"]) for one in found for row in one.rows):
+        some = next((row["name"] for one in found for row in one.rows), "")
+        raise InputError(
+            f"--healthy {healthy}: no result has a name with that, as '{some}' is one; correct the pattern"
+        )
     if unit is not None:
         found = [one for one in found if one.name == unit]
         if not found:
-            raise InputError(f"{results}: holds no unit '{unit}'; ema-twin units {results} lists them")
+            raise InputError(
+                f"{results}: holds no unit '{unit}'; {nearest(unit, names)} (all: ema-twin units {quote(str(results))})"
+            )
     ahead = {one.name: outlooks(one, of_numbers, known_good) for one in found}
     health = {one.name: unit_health(one, known_good) for one in found}
-    for path in of_numbers.keys() - {look.history.path for looks in ahead.values() for look in looks}:
-        warn(f"{limits}: none of these units has a history of {path}")
+    followed = tuple(dict.fromkeys(look.history.path for looks in ahead.values() for look in looks))
+    for path in (path for path in of_numbers if path not in followed):
+        hint = f"; {nearest(path, followed)}" if followed else ""
+        warn(f"{limits}: none of these units has a history of {path}{hint}")
+    most = None if whole else _ROWS
     if unit is not None:
-        _show_recordings(found[0])
-        _show_health(health[unit])
-        _show_numbers(ahead[unit])
+        say(f"{unit}: {' '.join(unit_words(found[0], ahead[unit], health[unit]))}")
+        _show_health(health[unit], most)
+        _show_numbers(ahead[unit], most)
+        _show_recordings(found[0], most)
     else:
-        _show(found, ahead, health)
+        say(fleet_words(found, ahead, health))
+        _show(found, ahead, health, most)
     for one in found:
         if not all(look.history.as_asked for look in ahead[one.name]):
             warn(
@@ -150,9 +172,13 @@ def _json(one: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> dic
 
 
 def _show(
-    units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], health: Mapping[str, UnitHealth | None]
+    units: Sequence[Unit],
+    ahead: Mapping[str, Sequence[Outlook]],
+    health: Mapping[str, UnitHealth | None],
+    most: int | None,
 ) -> None:
-    table = ReportTable(f"{number_of(len(units), 'unit')}, the largest {LAST_ERROR} first")
+    """Print one row for each unit, at most ``most``."""
+    table = ReportTable(f"{_shown_of(len(units), most, 'unit')}, the largest {LAST_ERROR} first")
     table.words("unit")
     table.numbers("judged", "refused", "failed")
     table.words("last recorded", "missing effects (results)")
@@ -161,7 +187,7 @@ def _show(
     judged = any(health.values())
     if judged:
         table.words("health", widest=40)
-    for one in units:
+    for one in units[:most]:
         table.add_row(
             escape(one.name),
             str(one.judged),
@@ -187,18 +213,26 @@ def _changed(looks: Sequence[Outlook]) -> str:
     return escape(f"{moving[0]}{others}") if moving else ""
 
 
-def _show_recordings(one: Unit) -> None:
-    table = ReportTable(f"{one.name}: {number_of(len(one.rows), 'result')}")
+def _shown_of(count: int, most: int | None, one: str, which: str = "first") -> str:
+    """How many of ``count`` rows a table shows: ``3 units``, or ``the first 40 of 350 units (--all shows all)``."""
+    if most is None or count <= most:
+        return number_of(count, one)
+    return f"the {which} {most} of {number_of(count, one)} (--all shows all)"
+
+
+def _show_recordings(one: Unit, most: int | None) -> None:
+    """Print the results of a unit, at most the last ``most``."""
+    table = ReportTable(f"\n{one.name}: {_shown_of(len(one.rows), most, 'result', 'last')}")
     table.words(*RESULT_HEAD[:5])
     table.numbers(RESULT_HEAD[5])
     table.words(RESULT_HEAD[6])
-    for row in one.rows:
+    for row in one.rows[-most if most else 0 :]:
         table.add_row(*map(escape, result_cells(one, row)))
     console.print(table)
 
 
-def _show_health(health: UnitHealth | None) -> None:
-    """Print how a unit's tests differ from its healthy ones."""
+def _show_health(health: UnitHealth | None, most: int | None) -> None:
+    """Print how a unit's tests differ from its healthy ones; of more than ``most``, the farthest."""
     if health is None or not health.tests:
         return
     for one in health.baselines:
@@ -207,27 +241,34 @@ def _show_health(health: UnitHealth | None) -> None:
             f"{100.0 * one.false_alarm:g} %; among these recordings, each judged without its own test: "
             f"{100.0 * one.false_alarms_left_out:.0f} %."
         )
-    table = ReportTable()
+    tests = health.tests
+    if most is not None and len(tests) > most:
+        farthest = sorted(tests, key=lambda test: -test.worst.distance if test.judged else 0.0)[:most]
+        tests = tuple(test for test in tests if test in farthest)
+    table = ReportTable(_shown_of(len(health.tests), most, "test", "farthest"))
     table.words(TEST_HEAD[0])
     table.numbers(*TEST_HEAD[1:3])
     table.words(*TEST_HEAD[3:])
-    for test in health.tests:
+    for test in tests:
         table.add_row(*map(escape, test_cells(test)))
     console.print(table)
     say("Distance: the largest distance from the healthy recordings, in times the limit.")
 
 
-def _show_numbers(looks: Sequence[Outlook]) -> None:
-    """Print how the numbers of a unit change, those that changed most first."""
+def _show_numbers(looks: Sequence[Outlook], most: int | None) -> None:
+    """Print how the numbers of a unit change, those that changed most first, at most ``most``."""
     if not looks:
         return
     dated = looks[0].history.dated
-    table = ReportTable("\nParameters over time: healthy value, last value, change, and when it began")
+    told = _shown_of(len(looks), most, "parameter")
+    table = ReportTable(
+        f"\n{told[:1].upper()}{told[1:]} over time: healthy value, last value, change, and when it began"
+    )
     table.words("parameter")
     table.numbers("healthy", "last", "change")
     table.words("since")
     table.numbers("per month" if dated else "per result", "to the limit", "reaches it in")
-    for look in looks:
+    for look in looks[:most]:
         of = look.history
         slope = None if look.trend is None else look.trend.slope * (_MONTH if dated else 1.0)
         table.add_row(

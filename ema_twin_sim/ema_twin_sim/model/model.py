@@ -187,9 +187,13 @@ class Model:
         if name in self.effects and self.effects[name].effect != name:
             gone = [name]
         if not gone:
-            held = ", ".join(self.effects) or "none"
-            raise InputError(f"model {self.name}: no effect '{name}' to remove; it holds {held}")
+            raise self._without(name)
         return replace(self, effects={k: v for k, v in self.effects.items() if k not in gone})
+
+    def _without(self, name: str) -> InputError:
+        """The error to raise if the model has no effect of that name."""
+        hint = f"; {nearest(name, tuple(self.effects))}" if self.effects else ", nor any other"
+        return InputError(f"model {self.name}: no effect '{name}'{hint}")
 
     def with_value(self, path: str, value: float) -> Model:
         """A model with one value changed: ``effects.NAME.PARAMETER`` or a constant's path.
@@ -199,8 +203,7 @@ class Model:
         if path.startswith("effects."):
             _, name, parameter = [*path.split("."), "", ""][:3]
             if name not in self.effects:
-                held = ", ".join(self.effects) or "none"
-                raise InputError(f"model {self.name}: no effect '{name}'; it holds {held}")
+                raise self._without(name)
             instance = self.effects[name]
             effect = find_effect(instance.effect, path)
             changed = checked_instance(
@@ -223,13 +226,13 @@ class Model:
     def with_enabled(self, name: str, enabled: bool) -> Model:
         """A model with one effect switched on or off."""
         if name not in self.effects:
-            raise InputError(f"model {self.name}: no effect '{name}'; it holds {', '.join(self.effects) or 'none'}")
+            raise self._without(name)
         return replace(self, effects={**self.effects, name: replace(self.effects[name], enabled=enabled)})
 
     def with_option(self, name: str, option: str, choice: str) -> Model:
         """A model with one option of an effect set. Raises InputError with the choices if the choice is invalid."""
         if name not in self.effects:
-            raise InputError(f"model {self.name}: no effect '{name}'; it holds {', '.join(self.effects) or 'none'}")
+            raise self._without(name)
         held = self.effects[name]
         effect, options = find_effect(held.effect, name), {**held.options, option: choice}
         changed = checked_instance(effect, held.parameters, options, name, complete=True, motion=self.motion)

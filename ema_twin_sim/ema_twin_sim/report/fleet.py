@@ -24,6 +24,7 @@ from ..words.units import (
     RESULT_HEAD,
     TEST_HEAD,
     change_of,
+    fleet_words,
     health_words,
     life_words,
     missing_words,
@@ -31,6 +32,7 @@ from ..words.units import (
     number_words,
     result_cells,
     test_cells,
+    unit_words,
 )
 from .history_chart import history_chart
 from .markup import Markup, items, joined, section, table, tag
@@ -75,13 +77,6 @@ def _file(unit: Unit) -> str:
 def _overview(
     units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], health: Mapping[str, UnitHealth | None]
 ) -> str:
-    changed = sum(bool(moving_words(ahead[unit.name])) for unit in units)
-    lacking = sum(bool(unit.missing) for unit in units)
-    refused = sum(unit.refused + unit.failed for unit in units)
-    lead = (
-        f"{lacking} with effects missing in their model, {changed} with a parameter that changed or nears its limit. "
-        f"{number_of(sum(unit.judged for unit in units), 'result')}; {number_of(refused, 'input')} could not be judged."
-    )
     rows = [
         (
             tag("a", unit.name, href=quote(f"{_UNITS}/{_file(unit)}")),
@@ -108,7 +103,9 @@ def _overview(
     found = table(head, rows, words=(0, 3, 4, 6, 7))
     box = tag("p", tag("label", "Show units with ", Markup('<input type="search" aria-label="filter">')))
     title = number_of(len(units), "unit")
-    body = joined([tag("h1", title), tag("p", lead, class_="lead"), box, found])
+    body = joined(
+        [tag("h1", title), tag("p", fleet_words(units, ahead, health).partition(": ")[2], class_="lead"), box, found]
+    )
     return whole_page(title, body, script=_FILTER)
 
 
@@ -122,7 +119,7 @@ def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> st
         section(
             "acquisition",
             "Acquisition",
-            tag("p", f"{number_of(unit.judged, 'result')}, {unit.refused} refused, {unit.failed} failed."),
+            tag("p", unit_words(unit, (), None)[0]),
             items(*remarks) if remarks else tag("p", "All results can be compared with each other."),
         ),
         section("state", "State", tag("p", _state(unit)), *_tests(health)),

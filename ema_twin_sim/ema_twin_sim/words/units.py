@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from ..listing import number_of
 from ..quantities import quantity
 from .sentences import effect_words
 
@@ -86,6 +88,57 @@ def health_words(health: UnitHealth | None) -> str:
         return f"like its healthy tests ({len(health.tests)} others)"
     last = health.off[-1]
     return f"{len(health.off)} of {len(health.tests)} tests deviate, the last {last.name}: {_named_words(last)}"
+
+
+def fleet_words(
+    units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], health: Mapping[str, UnitHealth | None]
+) -> str:
+    """What was found over all units, in sentences; what was not looked for is left out."""
+    told = []
+    if any(unit.searched for unit in units):
+        lacking = Counter(effect for unit in units for effect, _ in unit.missing)
+        count = sum(bool(unit.missing) for unit in units)
+        told.append(f"{count} with effects missing in their model{_counted(lacking, effect_words)}")
+    if any(ahead.values()):
+        changed = sum(bool(moving_words(looks)) for looks in ahead.values())
+        told.append(f"{changed} with a parameter that changed or nears its limit")
+    if judged := [of for of in health.values() if of is not None and of.tests]:
+        off = sum(bool(of.off) for of in judged)
+        told.append(f"{off} with tests that deviate from their healthy ones ({_of_tests(judged, 'tests')})")
+    results = number_of(sum(unit.judged for unit in units), "result")
+    refused = sum(unit.refused + unit.failed for unit in units)
+    left = f"; {number_of(refused, 'input')} could not be judged" if refused else ""
+    found = ", ".join(told) or "the errors of their model were computed, nothing else was looked for"
+    return f"{number_of(len(units), 'unit')}: {found}. {results}{left}."
+
+
+def unit_words(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> list[str]:
+    """What was found of one unit, a sentence each; what was not looked for is left out."""
+    told = [f"{number_of(unit.judged, 'result')}, {unit.refused} refused, {unit.failed} failed."]
+    if unit.searched:
+        told.append(f"Missing in its model: {missing_words(unit)}.")
+    if health is not None and health.tests:
+        told.append(f"{_of_tests([health], 'tests deviate from its healthy ones')}.")
+    if looks:
+        moving = moving_words(looks)
+        more = f", and {len(moving) - _SHOWN} more" if len(moving) > _SHOWN else ""
+        told.append(f"Changed: {', '.join(moving[:_SHOWN])}{more}." if moving else "No parameter has changed.")
+    return told
+
+
+def _of_tests(health: Sequence[UnitHealth], tests: str) -> str:
+    """How many tests deviate, and which families of faults they show: ``27 of 87 tests: local damage 20, play 7``."""
+    off = [test for of in health for test in of.off]
+    families = Counter("unknown" if (of := test.named) is None else of.family.value for test in off)
+    total = sum(len(of.tests) for of in health)
+    return f"{len(off)} of {total} {tests}{_counted(families, str, ': ', '')}"
+
+
+def _counted(counts: Counter[str], words: Callable[[str], str], begin: str = " (", end: str = ")") -> str:
+    """How often each occurs, the most frequent first and a few only; empty if there are none."""
+    told = [f"{words(name)} {count}" for name, count in counts.most_common(_SHOWN)]
+    more = [f"{len(counts) - _SHOWN} other"] if len(counts) > _SHOWN else []
+    return f"{begin}{', '.join([*told, *more])}{end}" if told else ""
 
 
 def missing_words(unit: Unit) -> str:
