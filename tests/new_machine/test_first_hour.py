@@ -1,6 +1,8 @@
 """The first hour with one's own machine: what is wrong in what one has is said at once, with what to do."""
 
 import re
+import threading
+from types import SimpleNamespace
 
 import pytest
 
@@ -9,8 +11,9 @@ from ema_bench_replay.load import load
 from ema_twin_sim.commands import add, init, shown_live
 from ema_twin_sim.commands.main import application
 from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.live.no_bench import WAIT
 from ema_twin_sim.model import load_model
-from ema_twin_sim.nodes.live_session import LiveResult
+from ema_twin_sim.nodes.live_session import LiveResult, Session
 from tests.servo_csv import TORQUE_CONSTANT, write_servo
 
 
@@ -168,3 +171,26 @@ def test_a_live_run_that_was_ended_is_not_told_as_one_that_lost_samples(compared
     counts = {"sent": compared, "compared": compared, "missing": missing, "expected": 9000}
     ended = LiveResult("run", "servo", "setpoint", compared, 9.0, {}, complete, interrupted=False, counts=counts)
     assert shown_live.how_much(ended, loop=loop) == told
+
+
+def test_a_live_run_that_no_bench_was_there_for_is_told_so_with_what_to_start(capsys):
+    """It was told as 0 of 0 samples compared, stopped early, none missing."""
+    counts = {"sent": 0, "compared": 0, "missing": 0, "expected": 0}
+    ended = LiveResult("bench", "servo", "setpoint", 0, 0.0, {}, complete=False, interrupted=False, counts=counts)
+    shown_live.show(ended)
+    told = " ".join(capsys.readouterr().out.split())
+    assert "live: nothing was compared, input setpoint No bench publishes /bench/state. Start the bench, or" in told
+    assert "--ros-args -p recording:=RUN" in told and "ema-twin live RUN" in told
+
+
+def test_who_waits_for_a_bench_is_told_once_that_there_is_none():
+    pairing = SimpleNamespace(bench=SimpleNamespace(received=0))
+    told = []
+    monitor = SimpleNamespace(mixed="", pairing=pairing)
+    session = Session(None, monitor, None, [], None, told.append, threading.Event())
+    session.tick()
+    assert told == []
+    session.started -= 2.0 * WAIT
+    session.tick()
+    session.tick()
+    assert len(told) == 1 and told[0].startswith("No bench publishes /bench/state.")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..comparison.beyond_noise import shown_signals
+from ..live.no_bench import no_bench
 from ..quantities import quantity
 from .output import console, say
 
@@ -38,6 +39,8 @@ def how_much(result: LiveResult, *, loop: bool = False) -> str:
     Each pass of a ``loop`` is compared by itself: the counts are those of the pass in which the run was ended.
     """
     compared, missing, expected = (result.counts[name] for name in ("compared", "missing", "expected"))
+    if not compared and not expected:
+        return "nothing was compared"
     count = f"{compared} of {expected} samples compared"
     if result.complete:
         return f"all {compared} samples compared" + (" in the last pass" if loop else "")
@@ -51,6 +54,8 @@ def show(result: LiveResult, rate: float = 0.0, *, loop: bool = False) -> None:
     console.print(
         f"\n[bold]{result.name}[/bold], model {result.model}, live: {how_much(result, loop=loop)}, input {result.input}"
     )
+    if not result.counts["expected"] and not result.counts["compared"]:
+        say(no_bench(), style="yellow")
     if result.health is not None:
         say(f"Health of {result.health['unit']}: {result.health['words']}")
     for name in shown_signals(result.input, result.signals):

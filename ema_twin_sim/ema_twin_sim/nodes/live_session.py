@@ -20,6 +20,7 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.running_comparison import SignalError
 from ..live.idle_time import IdleTime
+from ..live.no_bench import WAIT, no_bench
 from ..model import Model
 from .monitor import MonitorNode
 from .twin import TwinNode
@@ -111,6 +112,8 @@ class Session:
     last_stamp: int = 0
     began: float = 0.0  # s on the monotonic clock; the next one too
     ended: float = 0.0
+    started: float = field(default_factory=time.monotonic)
+    told_of_no_bench: bool = False
     idle: IdleTime = field(default_factory=lambda: IdleTime(2.0 * TICK))
 
     def take_pair(
@@ -130,6 +133,10 @@ class Session:
         if self.pairs and self.on_pairs is not None:
             batch, self.pairs = self.pairs, []
             self.on_pairs(batch)
+        if not self.told_of_no_bench and self.replay is None and time.monotonic() - self.started > WAIT:
+            self.told_of_no_bench = True
+            if not self.monitor.pairing.bench.received:
+                self.notify(no_bench())
         elapsed = 0.0 if self.first_stamp is None else (self.last_stamp - self.first_stamp) * 1e-9
         while self.changes and self.first_stamp is not None and self.changes[0].after <= elapsed:
             self._make(self.changes.pop(0))
