@@ -176,17 +176,22 @@ def dependence(variable, share, there, elsewhere, place):
         (
             dependence("speed", 0.05, 1.08e-3, 8.01e-3, "at 1 to 2 rad/s"),
             "about the same everywhere",
-            "alone; about the same everywhere.",
+            "alone explains much of the error of the current (speed 5 % of its power); about the same everywhere.",
         ),
         (
             dependence("order", 0.05, 1.08e-3, 8.01e-3, "24 times per motor revolution"),
             "1.08 mA of it repeat 24 times per motor revolution",
-            "alone; 1.08 mA of it repeat 24 times per motor revolution.",
+            "(repetition with the motor's angle 5 % of its power); 1.08 mA of it repeat 24 times per motor revolution.",
+        ),
+        (
+            dependence("speed", 0.004, 1.08e-3, 8.01e-3, "at 1 to 2 rad/s"),
+            "about the same everywhere",
+            "depends on neither speed, direction, position nor time alone; about the same everywhere.",
         ),
         (
             dependence("constant", 0.05, 8.01e-3, 8.01e-3, "everywhere"),
             "-2.00 mA everywhere, on average",
-            "alone; -2.00 mA everywhere, on average.",
+            "(constant offset 5 % of its power); -2.00 mA everywhere, on average.",
         ),
     ],
 )

@@ -94,6 +94,17 @@ def test_numbers_stand_as_found_and_as_fitted(written):
     assert "machine: motor inertia 0.00077 kg m^2 0.00077 kg m^2 (7.800 ± 0.010)e-4 kg m^2 +1.3 %" in text
 
 
+def test_constants_that_did_not_move_visibly_are_left_out(three, content):
+    """Without standard errors every change counts, and one of a ten thousandth was told as +0.0 %."""
+    before, after = (
+        three[1].with_value("machine.motor_inertia", factor * three[1].value("machine.motor_inertia"))
+        for factor in (1.0, 1.0001)
+    )
+    same = replace(content, models=(before, after), names=NAMES[:2], findings=None, fit=None)
+    text = Read(page(replace(same, given=shown(content.given.recordings, (before, after))))).text
+    assert "Constants that moved" not in text and "+0.0 %" not in text
+
+
 def test_all_twins_are_in_the_same_figures(written, content):
     charts = charts_of(written)
     curves = [chart for chart in charts if chart["link"] == "time"]

@@ -16,6 +16,7 @@ from ..words.sentences import (
     effect_words,
     groups_sentence,
     has_moved,
+    is_visible,
     larger_sentence,
     left_sentence,
     order_sentences,
@@ -36,7 +37,6 @@ STEPS_ARE = (
     " Runner-up: the second-best effect of the step, and its gain relative to the step's."
 )
 """Explains the columns of the table of steps."""
-_LEAST_CHANGE = 0.0005  # relative change of a constant; a smaller one is not shown
 
 
 def show_search(found: Discovery, without: Sequence[str] = ()) -> None:
@@ -188,7 +188,7 @@ def moved_slightly(found: Discovery) -> tuple[list[str], list[str]]:
     for part, entries in constants.items():
         for name, held in entries.items():
             distance, std = abs(held["value"] - held["nominal"]), held["std"] or 0.0
-            if held["nominal"] and _LEAST_CHANGE * abs(held["nominal"]) < distance <= std:
+            if held["nominal"] and is_visible(held["nominal"], held["value"]) and distance <= std:
                 named = name.replace("_", " ") if part in PARTS else effect_words(part)
                 if std < abs(held["value"]):
                     moved.append(f"{named} {change_words(held)}")

@@ -93,7 +93,13 @@ class Dependence:
             if self.is_largest_there:
                 there, elsewhere = quantity(self.rmse_there, self.unit), quantity(self.rmse_elsewhere, self.unit)
                 where = f"; it is largest {self.place}: {there} there, {elsewhere} elsewhere"
-            return f"The error of the {signal} depends on neither speed, direction, position nor time alone{where}."
+            if (percent := round(100.0 * self.share)) == 0:
+                return f"The error of the {signal} depends on neither speed, direction, position nor time alone{where}."
+            most = {"order": "repetition with the motor's angle", "constant": "constant offset"}
+            return (
+                f"Neither speed, direction, position nor time alone explains much of the error of the {signal} "
+                f"({most.get(self.variable, self.variable.replace('_', ' '))} {percent} % of its power){where}."
+            )
         share = f"{100.0 * self.share:.0f} % of its power"
         if self.periodicity is not None:
             found = self.periodicity

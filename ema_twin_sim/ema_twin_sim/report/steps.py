@@ -17,6 +17,7 @@ from ..words.sentences import (
     REFIT_IS,
     change_words,
     effect_words,
+    is_visible,
     larger_sentence,
     output_sentence,
     removed_words,
@@ -30,7 +31,6 @@ from .fitted import TwoValues, apart
 from .markup import Markup, section, table, tag
 
 _HEIGHT = 340  # pixels
-_LEAST_CHANGE = 0.0005  # relative change of a constant; a smaller one would be printed as 0.0 %
 
 
 def steps(content: Content, charts: Charts) -> Markup:
@@ -178,6 +178,8 @@ def _estimate(held: Held) -> str:
 
 
 def _moved(both: TwoValues) -> str:
+    if not is_visible(both.found["value"], both.fitted["value"]):
+        return ""
     moved = change_words({**both.fitted, "nominal": both.found["value"]})
     return moved if both.differ else f"{moved}, within its standard error".removeprefix(", ")
 
@@ -189,9 +191,9 @@ def _constants(content: Content) -> list[Markup]:
         part, _, constant = path.partition(".")
         name = f"{effect_words(part)}: {constant.replace('_', ' ')}"
         change = change_words({**values[-1], "nominal": values[0]["value"]})
-        if any(apart(before, after) for before, after in pairwise(values)):
+        if any(apart(a, b) and is_visible(a["value"], b["value"]) for a, b in pairwise(values)):
             rows.append((name, *map(_estimate, values), change))
-        elif abs(values[-1]["value"] - values[0]["value"]) > _LEAST_CHANGE * abs(values[0]["value"]):
+        elif is_visible(values[0]["value"], values[-1]["value"]):
             slightly.append(f"{name} {change}")
     caption = "Constants that moved"
     parts = [table(("constant", *content.labels, "change"), rows, caption=caption)] if rows else []

@@ -25,7 +25,7 @@ NO_RUNNER_UP = "no close runner-up"
 YOURS = "Your model"
 REFIT = "constants refitted"
 REFIT_IS = "the constants of the given model refitted, no effect added"
-_NOTHING = 0.0005  # relative change of an error; a smaller one is not shown
+_NOTHING = 0.0005  # relative change; a smaller one is not shown
 _MANY_TIMES = 3.0  # from which on a change is told as a factor
 _WHOLE = 0.02  # cycles per turn; an order this near to a whole number counts as whole
 _NAMES = {"stribeck": "Stribeck", "coulomb": "Coulomb"}
@@ -331,5 +331,11 @@ def change_words(held: Mapping[str, Any]) -> str:
 
 
 def has_moved(held: Mapping[str, Any]) -> bool:
-    """Whether a refitted constant moved by more than its standard error."""
-    return bool(abs(held["value"] - held["nominal"]) > (held["std"] or 0.0))
+    """Whether a refitted constant moved visibly, and by more than its standard error."""
+    distance = abs(held["value"] - held["nominal"])
+    return bool(distance > (held["std"] or 0.0)) and is_visible(held["nominal"], held["value"])
+
+
+def is_visible(before: float, after: float) -> bool:
+    """Whether a change is one that is not printed as 0.0 %."""
+    return abs(after - before) > _NOTHING * abs(before)
