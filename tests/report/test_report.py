@@ -390,3 +390,16 @@ def test_what_puts_every_number_in_doubt_is_the_headline(models, recordings, fin
     assert "Check this before you trust the page: 2 of 2 recordings, the worst is " in text
     assert text.index("as if current were in mA and read as A") < text.index("lacks backlash")
     assert "Check this before" not in Read(page(content_of(models, recordings[:2], findings))).text
+
+
+def test_axes_leave_out_a_guess_that_hides_the_rest_and_say_so(models, recordings, written):
+    """The twin of start values ran off to kA, so that the plots showed nothing of the found model's error."""
+    guess = models[0].with_value("effects.viscous_friction.coefficient", 1.0)
+    text = page(content_of((guess, models[1]), recordings[:2], names=("guess", "better")))
+    assert "the error of guess goes beyond the axis; double-click shows all" in Read(text).text
+    assert "goes beyond the axis" not in Read(written).text
+    of_current = [chart["layout"]["yaxis"] for chart in charts_of(text) if "residual of the current" in str(chart)]
+    assert of_current and all(max(map(abs, axis["range"])) < 100.0 for axis in of_current)  # mA
+    curves = next(chart for chart in charts_of(text) if "current [" in str(chart) and "choices" in chart)
+    layout = curves["choices"][0]["layout"]
+    assert "[mA]" in layout["yaxis2"]["title"]["text"] and max(layout["yaxis2"]["range"]) < 100.0

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..comparison.compare import Signals
 from ..quantities import axis_unit
+from .axis_limits import hides_the_rest, limit_words, range_beside
 from .beside import Beside
 from .chart import BENCH, MODELS, Chart, Charts, axis, line, noise_band, widths
 from .content import Content, Shown, signal_words
@@ -37,7 +38,7 @@ def compared(content: Content, charts: Charts) -> Markup:
     signals = signals_drawn(content.given)
     points = max(_FEWEST_POINTS, min(_MOST_POINTS, _BUDGET // (_arrays(content) * len(names) * max(1, len(signals)))))
     figures = [
-        charts.add(_chart(name, parts, content.labels, points, wide=place == 0 and len(signals) != 2))
+        charts.add(_chart(name, content, parts, points, wide=place == 0 and len(signals) != 2))
         for place, name in enumerate(signals)
     ]
     longest = max(len(recording) for part in parts for recording in part.recordings)
@@ -78,18 +79,24 @@ def signals_drawn(given: Shown) -> list[str]:
     return there[:MOST]
 
 
-def _chart(name: str, parts: Sequence[Shown], names: Sequence[str], points: int, *, wide: bool) -> Chart:
+def _chart(name: str, content: Content, parts: Sequence[Shown], points: int, *, wide: bool) -> Chart:
+    names, limited = content.labels, any(hides_the_rest(part, content.models[0], name) for part in parts)
     errors: list[Signals] = [recording.signals for part in parts for recording in part.comparisons[0].recordings]
     besides = [each for part in parts for each in zip(*part.curves, strict=True)]
-    choices = [_choice(name, each, error, names, points) for each, error in zip(besides, errors, strict=True)]
+    choices = [
+        _choice(name, each, error, names, points, limited=limited) for each, error in zip(besides, errors, strict=True)
+    ]
     title = signal_words(name)
     twins = "both twins" if len(names) == 2 else "all twins"
     caption = f"{capitalised(title)}: measured and {twins}; below, measured minus twin"
+    caption += limit_words(names[0]) if limited else ""
     layout = {"xaxis": {"anchor": "y2"}, "yaxis": {"domain": [0.46, 1.0]}, "yaxis2": {"domain": [0.0, 0.40]}}
     return Chart(caption, 380, layout, choices=choices, link="time", wide=wide)
 
 
-def _choice(name: str, besides: Sequence[Beside], errors: Signals, names: Sequence[str], points: int) -> dict[str, Any]:
+def _choice(
+    name: str, besides: Sequence[Beside], errors: Signals, names: Sequence[str], points: int, *, limited: bool
+) -> dict[str, Any]:
     """Traces and layout of one recording; only a note if it lacks the signal."""
     if any(name not in beside.curves for beside in besides):
         text = f"this recording has no {signal_words(name)}"
@@ -102,7 +109,9 @@ def _choice(name: str, besides: Sequence[Beside], errors: Signals, names: Sequen
     rows = order[envelope_rows([curve[order] for curve in drawn], points)]
     at = values[rows]
     whole, unit = axis_unit(_largest(first.measured), first.unit)
-    small, of_residual = axis_unit(max(_largest(twin.residual) for twin in twins), first.unit)
+    small, of_residual = axis_unit(
+        max(_largest(twin.residual) for twin in (twins[1:] if limited else twins)), first.unit
+    )
     measured = first.measured[rows]
     mode = {"mode": "markers", "marker": {"size": 4}} if besides[0].of_points else {}
 
@@ -122,11 +131,13 @@ def _choice(name: str, besides: Sequence[Beside], errors: Signals, names: Sequen
     ]
     if name == "unexplained_torque":
         traces[0]["name"] = "torque of the motor, measured"
+    floor = errors[name]["noise_floor"] / small
+    above, below = ([trace for trace in traces if trace["yaxis"] == at] for at in ("y", "y2"))
     layout = {
         "xaxis": axis(along),
-        "yaxis": axis(f"{signal_words(name)} [{unit}]"),
-        "yaxis2": axis(f"residual [{of_residual}]"),
-        "shapes": [noise_band(errors[name]["noise_floor"] / small, "x", "y2")],
+        "yaxis": axis(f"{signal_words(name)} [{unit}]", **(range_beside(above) if limited else {})),
+        "yaxis2": axis(f"residual [{of_residual}]", **(range_beside(below, 2.0 * floor) if limited else {})),
+        "shapes": [noise_band(floor, "x", "y2")],
     }
     return {"traces": traces, "layout": layout}
 

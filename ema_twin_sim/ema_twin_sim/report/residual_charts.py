@@ -12,6 +12,7 @@ from ..comparison.orders import ORDERS, Periodicity, find_order
 from ..comparison.where import FEWEST_SAMPLES, Stretch
 from ..model import Model
 from ..quantities import axis_unit
+from .axis_limits import hides_the_rest, limit_words, range_beside
 from .chart import FAINT, MODELS, Chart, Trace, axis, label, line, log_axis, noise_band, widths
 from .content import Shown, signal_words
 
@@ -61,9 +62,10 @@ class Failures:
     orders: Orders | None
 
 
-def failures(given: Shown, model: Model, names: Sequence[str]) -> list[Failures]:
+def failures(given: Shown, model: Model, names: Sequence[str], *, limited: bool = False) -> list[Failures]:
     """Where models fail, for each main signal; ``model`` names the orders, ``names`` are those of all models.
 
+    ``limited``: whether axes leave out the errors of the first ``model`` where these would hide those of the others.
     Empty if the recordings are too short.
     """
     found = []
@@ -71,7 +73,7 @@ def failures(given: Shown, model: Model, names: Sequence[str]) -> list[Failures]
         stretches = [[each.stretches[name] for each in curves if name in each.stretches] for curves in given.curves]
         if sum(len(part.residual) for part in stretches[0]) < FEWEST_SAMPLES:
             continue
-        shown = _Signal(name, given, names, stretches)
+        shown = _Signal(name, given, names, stretches, limited=limited and hides_the_rest(given, model, name))
         orders = shown.over_order(model) if model.motion == "rotary" else None
         found.append(Failures(name, (shown.over_speed(), shown.over_position(), shown.over_direction()), orders))
     return found
@@ -85,7 +87,15 @@ def named_orders(model: Model) -> list[tuple[float, str]]:
 class _Signal:
     """One signal's residuals of all models."""
 
-    def __init__(self, name: str, given: Shown, models: Sequence[str], stretches: Sequence[Sequence[Stretch]]) -> None:
+    def __init__(
+        self,
+        name: str,
+        given: Shown,
+        models: Sequence[str],
+        stretches: Sequence[Sequence[Stretch]],
+        *,
+        limited: bool,
+    ) -> None:
         error, first = given.comparisons[0].overall[name], given.curves[0][0]
         self.words, self.models, self.base = signal_words(name), models, error["unit"]
         self.roles = MODELS[: len(models)]
@@ -94,11 +104,12 @@ class _Signal:
         self.stretches = stretches
         self.residuals = [np.concatenate([part.residual for part in parts]) for parts in stretches]
         self.speeds = [np.concatenate([part.speed for part in parts]) for parts in stretches]
-        self.scale, self.unit = axis_unit(
-            max(float(np.nanquantile(np.abs(r), 0.98)) for r in self.residuals), self.base
-        )
+        self.limited = limited
+        told = self.residuals[1:] if limited else self.residuals
+        self.scale, self.unit = axis_unit(max(float(np.nanquantile(np.abs(r), 0.98)) for r in told), self.base)
         self.title = f"residual of the {self.words} [{self.unit}]"
-        self.band = noise_band(error["noise_floor"] / self.scale)
+        self.floor = error["noise_floor"] / self.scale
+        self.band = noise_band(self.floor)
 
     def over_speed(self) -> Chart:
         """The residual over the motor's speed, both directions."""
@@ -163,7 +174,8 @@ class _Signal:
         place = np.searchsorted(np.geomspace(ORDERS[0], highest, _BANDS), ORDERS[highest >= ORDERS])
         bands = [np.flatnonzero(place == k) for k in np.unique(place)]
         peaks = [np.array([values[band].max() for band in bands]) for values in lines]
-        scale, unit = axis_unit(max(float(values.max()) for values in peaks), self.base)
+        told = peaks[1:] if self.limited else peaks
+        scale, unit = axis_unit(max(float(values.max()) for values in told), self.base)
         at = [np.array([ORDERS[band[values[band].argmax()]] for band in bands]) for values in lines]
         traces = [
             line(x, values / scale, name, role, width=1.6 * self.widths[role])
@@ -172,15 +184,16 @@ class _Signal:
         named = named_orders(model)
         marks, numbers = _marked([order for order, _ in named])
         kind = "; assumed to oppose the motion" if flips else ""
+        above = {"range": [0.0, range_beside(traces)["range"][1]]} if self.limited else {}
         layout = {
             "xaxis": log_axis("order [cycles per turn of the motor]", ORDERS[highest >= ORDERS]),
-            "yaxis": axis(f"amplitude, {self.words} [{unit}]", rangemode="tozero"),
+            "yaxis": axis(f"amplitude, {self.words} [{unit}]", rangemode="tozero", **above),
             "shapes": marks,
             "annotations": numbers,
             "margin": {"t": 46},  # the numbers, and above them the buttons
         }
         said = f"Residual of the {self.words} against order{kind}; the numbers are in the table of orders below"
-        chart = Chart(said, _HEIGHT, layout, traces)
+        chart = Chart(said + self._limit_words(), _HEIGHT, layout, traces)
         peaks_of = [
             (order, said, tuple(float(values[np.abs(ORDERS - order) <= _NEAR].max()) for values in lines))
             for order, said in named
@@ -206,8 +219,12 @@ class _Signal:
         ]
 
     def _chart(self, against: str, x: dict[str, object], traces: list[Trace]) -> Chart:
-        said = f"Residual of the {self.words} against {against}"
-        return Chart(said, _HEIGHT, {"xaxis": x, "yaxis": axis(self.title), "shapes": [self.band]}, traces)
+        said = f"Residual of the {self.words} against {against}{self._limit_words()}"
+        limits = range_beside(traces, 2.0 * self.floor) if self.limited else {}
+        return Chart(said, _HEIGHT, {"xaxis": x, "yaxis": axis(self.title, **limits), "shapes": [self.band]}, traces)
+
+    def _limit_words(self) -> str:
+        return limit_words(self.models[0]) if self.limited else ""
 
 
 def _moving(

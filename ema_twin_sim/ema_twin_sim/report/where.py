@@ -17,7 +17,7 @@ def where(content: Content, charts: Charts) -> Markup:
     """The section with the residuals against the quantities that they may depend on."""
     figures: list[Markup] = []
     orders: dict[str, list[list[str]]] = {}
-    for each in failures(content.given, content.models[0], content.labels):
+    for each in failures(content.given, content.models[0], content.labels, limited=True):
         figures += [charts.add(chart) for chart in each.charts]
         if each.orders is not None:
             figures.append(charts.add(each.orders.chart))
