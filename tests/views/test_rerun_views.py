@@ -86,6 +86,12 @@ class TestWhereItFails:
             assert np.corrcoef(across, median["x"])[0, 1] > 1.0 - 1e-9
             assert np.corrcoef(-drawn[:, 1], median["y"])[0, 1] > 1.0 - 1e-9
 
+    def test_titles_fit_a_third_of_a_small_window(self, views):
+        """They were cut: a view of a third of 1280 pixels has room for some forty letters beside its buttons."""
+        titles = {name for name in views.view_names if " against " in name and "gear" not in name}
+        assert {"current against speed", "output position against direction"} <= titles
+        assert max(map(len, titles)) < 40 and max(map(len, views.view_names)) < 120
+
     def test_axes_bear_quantities_and_units(self, views):
         words = views.words("/where_it_fails/current/speed")
         assert "speed of the motor [rad/s]" in words
@@ -120,7 +126,7 @@ class TestWhyAndAfter:
     def test_numbers_have_their_standard_errors(self, views):
         assert {"backlash, width", "4.000 ± 0.020 mrad (0.5 %)"} <= views.words("/why/sizes").keys()
         assert "/why/sizes/backlash\\,\\ width\\,\\ standard\\ error" in views.entities
-        assert views.text("/why/verdict").startswith("# polito_bench lacks backlash")
+        assert views.text("/why/verdict").startswith("## polito_bench lacks backlash")
 
     def test_errors_before_and_after_are_those_of_compare(self, views, given):
         words = views.words("/after/errors")

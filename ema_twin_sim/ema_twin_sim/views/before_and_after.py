@@ -78,7 +78,7 @@ def _log_outputs(stream: rr.RecordingStream, outputs: Sequence[tuple[str, float]
     for k, error in enumerate(errors):
         across, up = sheet.place(places[k : k + 1], errors[k : k + 1] / scale)[0]
         if math.isfinite(up):
-            sheet.write(across, up - 4.0, quantity(float(error), "rad"), AFTER)
+            sheet.write(across, up - 6.0, quantity(float(error), "rad"), AFTER)
     sheet.done()
 
 

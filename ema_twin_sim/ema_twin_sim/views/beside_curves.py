@@ -16,6 +16,7 @@ from .palette import MEASURED, MODELS, QUIET, Colour
 from .stream import path_of, send, send_level, style
 
 ROOT = "compare"
+_FOR_THE_LEGEND, _BELOW = 0.45, 0.05  # of the curves' height, left free above and below them
 _TYPICAL = 0.98  # quantile of a residual that determines the unit of its axis
 
 
@@ -72,29 +73,60 @@ def curves_tab(given: Shown) -> rrb.Container:
     for number, recording in enumerate(given.comparisons[0].recordings):
         besides = [curves[number] for curves in given.curves]
         along = abscissa(besides[0])[2] if besides[0].of_points else ""
-        columns = []
+        columns: list[rrb.Container] = []
         for name in signals_drawn(given):
             if all(name in beside.curves for beside in besides):
                 unit = besides[0].curves[name].unit
                 small = residual_unit([beside.curves[name] for beside in besides])[1]
-                columns.append(signal_column(path_of(ROOT, recording.name, name), name, unit, small, along))
+                room = None if columns else _room([beside.curves[name] for beside in besides])
+                at = path_of(ROOT, recording.name, name)
+                columns.append(signal_column(at, name, unit, small, along, legend=not columns, room=room))
         tabs.append(rrb.Horizontal(*columns, name=recording.name))
     return rrb.Tabs(*tabs, active_tab=given.telling, name="compare")
 
 
+def _room(curves: Sequence[Curves]) -> tuple[rrb.ScalarAxis, rrb.ScalarAxis]:
+    """The axes of a signal and of its residual with room above the curves, so that the legend covers none of them."""
+    scale = residual_unit(curves)[0]
+    signal = [values for each in curves for values in (each.measured, each.measured - each.residual)]
+    return _with_room(signal), _with_room([each.residual / scale for each in curves])
+
+
+def _with_room(curves: Sequence[np.ndarray]) -> rrb.ScalarAxis:
+    finite = [values[np.isfinite(values)] for values in curves]
+    low, high = (
+        float(pick([end(values) for values in finite if len(values)] or [0.0]))
+        for pick, end in ((min, np.min), (max, np.max))
+    )
+    size = (high - low) or 1.0
+    return rrb.ScalarAxis(range=(low - _BELOW * size, high + _FOR_THE_LEGEND * size))
+
+
 def signal_column(
-    at: str, name: str, unit: str, residual_unit: str, along: str = "", tab: str | None = None
+    at: str,
+    name: str,
+    unit: str,
+    residual_unit: str,
+    along: str = "",
+    tab: str | None = None,
+    *,
+    legend: bool = True,
+    room: tuple[rrb.ScalarAxis, rrb.ScalarAxis] | None = None,
 ) -> rrb.Container:
-    """One signal above, its residual below; ``along`` is the quantity shown as time, ``tab`` the name as a tab."""
+    """One signal above, its residual below; ``along`` is the quantity shown as time, ``tab`` the name as a tab.
+
+    Of columns side by side one has a ``legend``, with axes that have ``room`` for it.
+    """
     over = f" over {along}, 1 s per unit" if along else ""
     words = signal_words(name)
     above = f"{words} [{unit}]: measured and twin{over}"
     below = f"{words}: measured − twin [{residual_unit}]"
     together = rrb.TimeAxis(link="LinkToGlobal")
-    legend = rrb.PlotLegend(rrb.Corner2D.RightTop)
+    key = rrb.PlotLegend(rrb.Corner2D.RightTop, visible=legend)
+    of_signal, of_residual = room or (None, None)
     return rrb.Vertical(
-        rrb.TimeSeriesView(origin=f"{at}/curves", name=above, axis_x=together, plot_legend=legend),
-        rrb.TimeSeriesView(origin=f"{at}/residual", name=below, axis_x=together, plot_legend=legend),
+        rrb.TimeSeriesView(origin=f"{at}/curves", name=above, axis_x=together, axis_y=of_signal, plot_legend=key),
+        rrb.TimeSeriesView(origin=f"{at}/residual", name=below, axis_x=together, axis_y=of_residual, plot_legend=key),
         name=tab,
     )
 

@@ -11,10 +11,11 @@ import rerun as rr
 from .palette import GRID, TEXT, Colour
 from .sheet import BOTTOM, LEFT, TOP, Axis, Sheet
 
-START, END = 62.0, 112.0
+START, END = 74.0, 112.0
 """Where the axis of the bars begins and ends on its sheet: names are on its left, numbers on its right."""
 THICKEST = 1.6
 """Maximum half thickness of a bar in units, which is also the radius of its round end."""
+_MOST_LETTERS = 36  # of a name
 _THICK = 0.3  # half thickness, as a share of the row
 _HIGHEST = 9.0  # units, maximum height of a row
 
@@ -30,6 +31,10 @@ class Bar:
     deviation: float | None = None
 
 
+def _short(name: str) -> str:
+    return name if len(name) <= _MOST_LETTERS else f"{name[: _MOST_LETTERS - 1].rstrip(' ,')}…"
+
+
 def draw_bars(stream: rr.RecordingStream, at: str, bars: Sequence[Bar], axis: Axis, heading: str) -> None:
     """Draw bars that start at the axis's low end, below the entity ``at``."""
     sheet = Sheet(stream, at, axis, Axis(0.0, 1.0, (), (), ""), left=START, right=END)
@@ -43,8 +48,8 @@ def draw_bars(stream: rr.RecordingStream, at: str, bars: Sequence[Bar], axis: Ax
         sheet.bar(f"room {number}", [(first, middle), (END - half, middle)], half, GRID, 5.0)
         if end > first + half:
             sheet.bar(bar.name, [(first, middle), (end - half, middle)], half, bar.colour, 15.0)
-        sheet.write_to(START - 3.0, middle, bar.name, bar.colour)
-        sheet.write_from(END + 4.0, middle, bar.text, bar.colour)
+        sheet.write_to(START - 1.0, middle, _short(bar.name), bar.colour)
+        sheet.write_from(END + 2.0, middle, bar.text, bar.colour)
         if bar.deviation is not None:
             ends = [bar.value - bar.deviation, bar.value + bar.deviation]
             low, high = START + (END - START) * np.clip(axis.share(np.array(ends)), 0.0, 1.0)

@@ -86,15 +86,15 @@ def failing_tab(found: Sequence[Failures], models: int) -> rrb.Container:
     for each in found:
         at, words = f"{ROOT}/{each.signal}", signal_words(each.signal)
         views = [
-            sheet_view(f"{at}/{place}", f"residual of the {words} against {against}")
+            sheet_view(f"{at}/{place}", f"{words} against {against}")
             for place, against in (
-                ("speed", "the motor's speed"),
-                ("output_position", "the output's position"),
-                ("direction", "the direction of motion"),
+                ("speed", "speed"),
+                ("output_position", "position"),
+                ("direction", "direction"),
             )
         ]
         if each.orders is not None:
-            views.append(sheet_view(f"{at}/order", f"residual of the {words} against order, cycles per turn"))
+            views.append(sheet_view(f"{at}/order", f"{words} against order"))
         told = rrb.TextDocumentView(origin=f"{at}/told", name="in words")
         tabs.append(
             rrb.Horizontal(

@@ -161,7 +161,7 @@ def train_tab(of: str, strongest: tuple[float, float, float], gearing: Gearing, 
         look_target=[0.0, 0.0, -0.5 * _APART * gearing.face_width],
         eye_up=[0.0, 0.0, 1.0],
     )
-    colours = "orange: torque in the motor's direction, blue: against it, grey: none"
+    colours = "orange: torque in the motor's direction, blue: against it"
     most = ", ".join(
         f"{words.removeprefix('on the ')} {torque:.3g}"
         for (_, words, _), torque in zip(_TORQUES, strongest, strict=True)
@@ -171,13 +171,13 @@ def train_tab(of: str, strongest: tuple[float, float, float], gearing: Gearing, 
         rrb.Spatial3DView(
             origin=f"/{ROOT}",
             contents=["$origin/wheels/**", "$origin/words"],
-            name=f"gear train, {of}. {colours} (full colour: {most} N m)",
+            name=f"gear train, {of}; {colours}",
             eye_controls=eye,
             line_grid=False,
         ),
         rrb.TimeSeriesView(
             origin=f"/{ROOT}/torque",
-            name=f"torque of the teeth{how} [N m]",
+            name=f"torque of the teeth{how} [N m]; full colour: {most}",
             plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
         ),
         row_shares=[3, 1],

@@ -201,7 +201,8 @@ def live_blueprint(gearing: Gearing | None = None) -> rrb.Blueprint:
     """The tabs of a live view: all signals side by side, then each alone for a narrow screen."""
 
     def column(name: str, tab: str | None = None) -> rrb.Container:
-        return signal_column(path_of(ROOT, name), name, UNITS[name], f"m{UNITS[name]}", tab=tab)
+        legend = tab is not None or name == SHOWN[0]
+        return signal_column(path_of(ROOT, name), name, UNITS[name], f"m{UNITS[name]}", tab=tab, legend=legend)
 
     told = [
         rrb.TimeSeriesView(

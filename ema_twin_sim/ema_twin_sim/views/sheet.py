@@ -17,9 +17,9 @@ from .palette import QUIET, RULE, TEXT, Colour
 
 WIDE, HIGH = 160.0, 91.0
 """The size of a sheet."""
-LEFT, RIGHT, TOP, BOTTOM = 19.0, 156.0, 14.0, 75.0
+LEFT, RIGHT, TOP, BOTTOM = 21.0, 156.0, 18.0, 71.0
 """The frame's edges, unless it is made narrower."""
-_LETTER = 1.25  # units, width of a letter in a view of a quarter of a screen
+_LETTER, _AROUND = 2.0, 4.0  # units, width of a letter and of the space around a word in a view of 640 by 310 pixels
 _KEY_LETTER, _KEY_ROOM = 2.5, 5.0  # units, a letter and the room around a word in a view of 400 pixels: no overlaps
 _ABOVE = 2.4  # units that rerun puts words below their point
 _TICKS = 6  # approximate number of ticks
@@ -96,11 +96,11 @@ class Sheet:
         self._log("grid", rr.LineStrips2D(grid, colors=[RULE], radii=[-0.4], draw_order=0.0))
         self._log("frame", rr.LineStrips2D([corners], colors=[QUIET], radii=[-0.7], draw_order=1.0))
         for x, word in zip(at_x, self._x.words, strict=True):
-            self.write(x, BOTTOM + _ABOVE + 1.0, word, QUIET)
+            self.write(x, BOTTOM + _ABOVE + 2.5, word, QUIET)
         for y, word in zip(at_y, self._y.words, strict=True):
-            self.write(self._left - 2.0 - 0.5 * _LETTER * (len(word) + 1), y, word, QUIET)
-        self.write(0.5 * (self._left + self._right), BOTTOM + 10.5, self._x.title, TEXT)
-        self.write_from(self._left, 3.0, self._y.title, TEXT)
+            self.write_to(self._left - 1.0, y, word, QUIET)
+        self.write(0.5 * (self._left + self._right), BOTTOM + 13.0, self._x.title, TEXT)
+        self.write_from(self._left, 2.5, self._y.title, TEXT)
 
     def place(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Values (n,) as points (n, 2) of the sheet, limited to the frame."""
@@ -148,11 +148,11 @@ class Sheet:
 
     def write_from(self, x: float, y: float, text: str, colour: Colour) -> None:
         """Words that begin at a point of the sheet."""
-        self.write(x + 0.5 * _LETTER * (len(text) + 1), y, text, colour)
+        self.write(x + 0.5 * (_LETTER * len(text) + _AROUND), y, text, colour)
 
     def write_to(self, x: float, y: float, text: str, colour: Colour) -> None:
         """Words that end at a point of the sheet."""
-        self.write(x - 0.5 * _LETTER * (len(text) + 1), y, text, colour)
+        self.write(x - 0.5 * (_LETTER * len(text) + _AROUND), y, text, colour)
 
     def key(self, entries: Sequence[tuple[str, Colour]]) -> None:
         """Legend of the colours, in a row above the frame that ends at its right edge."""

@@ -26,14 +26,14 @@ def log_why(stream: rr.RecordingStream, findings: Findings, verdict: str) -> Non
     """Draw the ranking, the standard errors of the parameters and each signature; write the verdict."""
     if findings.ranking:
         draw_bars(stream, f"{ROOT}/ranking", _ranking(findings), linear_axis(0.0, 100.0, "probability [%]"),
-                  "Which effect is missing?  blue: found;  grey: rejected")  # fmt: skip
+                  "blue: found;  grey: rejected;  removes: share of the error")  # fmt: skip
     sizes = _sizes(findings)
     if sizes:
         draw_bars(stream, f"{ROOT}/sizes", sizes, linear_axis(0.0, 200.0, "% of the value that was found"),
-                  "How accurate are the parameters?  white: ± one standard error")  # fmt: skip
+                  "white: ± one standard error")  # fmt: skip
     for number, signature in enumerate(told_signatures(findings)):
         draw(stream, f"{ROOT}/signature_{number}", signature_chart(signature)).done()
-    heading = "#" if len(verdict) < _LONG else "###"
+    heading = "##" if len(verdict) < _LONG else "###"
     stream.log(
         f"{ROOT}/verdict", rr.TextDocument(f"{heading} {verdict}", media_type=rr.MediaType.MARKDOWN), static=True
     )
@@ -47,7 +47,7 @@ def _ranking(findings: Findings) -> list[Bar]:
         text = f"{100.0 * entry.probability:.0f} %"
         if entry.error_removed is not None:
             removed = removed_words(entry.error_removed)
-            text += f", removes {removed} of the error"
+            text += f", removes {removed}"
         bars.append(Bar(name, 100.0 * entry.probability, text, AFTER if entry.found else FAINT))
     for name, share in (
         (f"{no_effect_words(findings.beyond_noise)} is missing", findings.none),
@@ -96,4 +96,4 @@ def why_tab(findings: Findings) -> rrb.Container:
     if pages:
         rows.append(rrb.Tabs(*pages, active_tab=0) if len(pages) > 1 else pages[0])
     verdict = rrb.TextDocumentView(origin=f"{ROOT}/verdict", name="verdict")
-    return rrb.Vertical(verdict, *rows, row_shares=[1, *[4] * len(rows)], name="why")
+    return rrb.Vertical(verdict, *rows, row_shares=[1.5, *[4] * len(rows)], name="why")
