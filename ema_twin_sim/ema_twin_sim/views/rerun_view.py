@@ -208,9 +208,13 @@ def live_blueprint(gearing: Gearing | None = None) -> rrb.Blueprint:
         rrb.TimeSeriesView(
             origin="/error",
             name="RMSE of the last second relative to the noise [dB]",
-            plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
+            plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftBottom),  # errors fall, so this corner is free
         ),
-        rrb.TimeSeriesView(origin="/unexplained_torque", name="unexplained torque [mN m, motor shaft]"),
+        rrb.TimeSeriesView(
+            origin="/unexplained_torque",
+            name="unexplained torque [mN m, motor shaft]",
+            plot_legend=rrb.PlotLegend(visible=False),
+        ),
         rrb.TextLogView(
             origin="/story",
             name="events",
