@@ -11,9 +11,8 @@ from ema_bench_replay.load import load
 from ema_twin_sim.commands import add, init, shown_live
 from ema_twin_sim.commands.main import application
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.live.no_bench import WAIT
 from ema_twin_sim.model import load_model
-from ema_twin_sim.nodes.live_session import LiveResult, Session
+from ema_twin_sim.nodes.live_session import WAIT, LiveResult, Session
 from tests.servo_csv import TORQUE_CONSTANT, write_servo
 
 

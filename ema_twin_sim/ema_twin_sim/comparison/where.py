@@ -93,7 +93,8 @@ class Dependence:
             if self.is_largest_there:
                 there, elsewhere = quantity(self.rmse_there, self.unit), quantity(self.rmse_elsewhere, self.unit)
                 where = f"; it is largest {self.place}: {there} there, {elsewhere} elsewhere"
-            if (percent := round(100.0 * self.share)) == 0:
+            percent = round(100.0 * self.share)
+            if not percent:
                 return f"The error of the {signal} depends on neither speed, direction, position nor time alone{where}."
             most = {"order": "repetition with the motor's angle", "constant": "constant offset"}
             return (

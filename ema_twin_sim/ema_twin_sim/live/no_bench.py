@@ -5,9 +5,6 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-WAIT = 5.0
-"""s without a sample after which it is said."""
-
 
 def no_bench() -> str:
     """That no bench publishes, and what starts one."""

@@ -20,7 +20,7 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.running_comparison import SignalError
 from ..live.idle_time import IdleTime
-from ..live.no_bench import WAIT, no_bench
+from ..live.no_bench import no_bench
 from ..model import Model
 from .monitor import MonitorNode
 from .twin import TwinNode
@@ -28,6 +28,9 @@ from .twin import TwinNode
 TICK = 0.05
 """Interval in s between two batches of pairs."""
 
+
+WAIT = 5.0
+"""Time in s without a sample, after which it is said that no bench publishes."""
 
 PATIENCE = 3.0
 """Time in s without any arrival after the last sample was sent; what is missing then will not come any more."""
