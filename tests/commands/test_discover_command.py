@@ -18,7 +18,6 @@ from ema_bench_replay.bags.bag_writer import write_mcap
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_twin_sim.commands.demo import moments_of, switched_off
-from ema_twin_sim.commands.diagnose import worth_showing
 from ema_twin_sim.commands.discover import compare_command
 from ema_twin_sim.commands.inputs import refuse_inputs
 from ema_twin_sim.commands.shown_search import moved_slightly
@@ -29,6 +28,7 @@ from ema_twin_sim.quantities import estimate
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from ema_twin_sim.words import sentences as wording
+from ema_twin_sim.words.ranking import worth_showing
 from tests.command_line import LONGEST, MODEL, done, refused
 
 HIDDEN = ("backlash", "stribeck_friction")

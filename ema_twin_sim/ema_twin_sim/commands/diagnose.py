@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ..quantities import estimate
+from ..words.ranking import ranked_words, size_words, worth_showing
 from ..words.sentences import (
     NOT_IN_CATALOGUE,
-    effect_words,
     no_effect_words,
-    options_words,
     order_sentences,
     removed_words,
     surest_sentence,
@@ -22,7 +19,7 @@ from .shown_search import show_doubts
 from .tables import ReportTable, is_narrow
 
 if TYPE_CHECKING:
-    from ..discovery.diagnose import Diagnosis, Ranked
+    from ..discovery.diagnose import Diagnosis
 
 EXAMPLES = """Examples:
 
@@ -33,8 +30,6 @@ ema-twin diagnose run.mcap --model better.yaml --json diagnosis.json --evidence 
 ema-twin diagnose recordings --model polito_bench --with position_friction.py --without gravity_load"""
 
 _BAR = 20
-_SHOWN_AS_ZERO = 0.005
-_UNLIKELY = 3  # number of effects of probability 0 that are shown
 
 
 def run(
@@ -104,9 +99,7 @@ def show(diagnosis: Diagnosis) -> None:
     for entry in shown:
         removed = "" if entry.error_removed is None else removed_words(entry.error_removed)
         style = "bold green" if entry.found else ("" if entry.probability > 0.0 else "dim")
-        name, choices = effect_words(entry.effect), options_words(entry.options)
-        named = f"{name} ({choices})" if choices else name
-        table.add_row(named, _bar(entry.probability), removed, _parameters(entry), style=style)
+        table.add_row(ranked_words(entry), _bar(entry.probability), removed, "\n".join(size_words(entry)), style=style)
     table.add_section()
     for label, probability in (
         (no_effect_words(diagnosis.beyond_noise), diagnosis.none),
@@ -125,20 +118,6 @@ def show(diagnosis: Diagnosis) -> None:
     show_doubts(diagnosis.groups, diagnosis.next_recording)
 
 
-def worth_showing(ranking: Sequence[Ranked]) -> tuple[list[Ranked], int]:
-    """The ranking without most effects of probability 0, and how many were left out."""
-    likely = [entry for entry in ranking if entry.found or entry.probability >= _SHOWN_AS_ZERO]
-    others = [entry for entry in ranking if entry not in likely]
-    return likely + others[:_UNLIKELY], max(0, len(others) - _UNLIKELY)
-
-
 def _bar(probability: float) -> str:
     longest = _BAR // 4 if is_narrow() else _BAR
     return f"{100.0 * probability:3.0f} % {'█' * round(longest * probability)}"
-
-
-def _parameters(entry: Ranked) -> str:
-    return "\n".join(
-        f"{name} {estimate(held['value'], held['std'], held['unit'])}"  # type: ignore[arg-type]
-        for name, held in entry.parameters.items()
-    )

@@ -7,16 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from ..discovery.diagnose import Ranked
 from ..listing import listed
-from ..quantities import axis_unit, estimate
+from ..quantities import axis_unit
 from ..words.findings import CURVES, Findings, Signature
+from ..words.ranking import UNLIKELY, other_answers, ranked_words, size_words, worth_showing
 from ..words.sentences import (
-    NOT_IN_CATALOGUE,
     effect_words,
     groups_sentence,
-    no_effect_words,
-    options_words,
     removed_words,
     surest_sentence,
     verdict_of,
@@ -28,8 +25,6 @@ from .markup import Markup, bar, capitalised, section, table, tag
 
 REFUSED = "closest to the remaining error, but not added: it explains too little"
 """Caption of the signature of an effect that the search tried last and did not add."""
-_LEAST = 0.005  # smallest probability that is shown as more than none
-_UNLIKELY = 3  # number of effects below it that are shown
 _HEIGHT = 300  # pixels
 _HEADROOM = 1.4  # limit of the axis, times the largest median
 _QUANTITIES = {
@@ -71,20 +66,10 @@ def told_signatures(findings: Findings) -> list[Signature]:
     return [each for each in findings.signatures if each.curves and (each.taken or wanted)]
 
 
-def worth_showing(findings: Findings) -> list[Ranked]:
-    """The ranking without most effects of probability 0."""
-    likely = [entry for entry in findings.ranking if entry.found or entry.probability >= _LEAST]
-    others = [entry for entry in findings.ranking if entry not in likely]
-    return likely + others[:_UNLIKELY]
-
-
 def _ranking(findings: Findings) -> Markup:
     rows = []
-    for entry in worth_showing(findings):
-        choices = options_words(entry.options)
-        name = f"{effect_words(entry.effect)} ({choices})" if choices else effect_words(entry.effect)
-        kind = "found" if entry.found else "refused"
-        sizes = ", ".join(f"{p} {estimate(h['value'], h['std'], h['unit'])}" for p, h in entry.parameters.items())  # type: ignore[arg-type]
+    for entry in worth_showing(findings.ranking)[0]:
+        name, kind = ranked_words(entry), "found" if entry.found else "refused"
         removed = (
             "–" if entry.error_removed is None else bar(entry.error_removed, removed_words(entry.error_removed), kind)
         )
@@ -93,14 +78,11 @@ def _ranking(findings: Findings) -> Markup:
                 tag("strong", name) if entry.found else name,
                 bar(entry.probability, f"{100.0 * entry.probability:.0f} %", kind),
                 removed,
-                sizes,
+                ", ".join(size_words(entry)),
             )
         )
-    for said, probability in (
-        (f"{no_effect_words(findings.beyond_noise)} is missing", findings.none),
-        (NOT_IN_CATALOGUE, findings.unknown),
-    ):
-        rows.append((said, bar(probability or 0.0, f"{100.0 * (probability or 0.0):.0f} %", "refused"), "", ""))
+    for said, probability in other_answers(findings):
+        rows.append((said, bar(probability, f"{100.0 * probability:.0f} %", "refused"), "", ""))
     note = (
         f"Probability: that this effect is missing; several may be missing at once. {surest_sentence()} "
         "Error removed: share of the error above the sensors' noise that it removes, on data not used for fitting. "
@@ -128,7 +110,7 @@ def _tried(findings: Findings) -> Markup:
         best = sorted(tried, key=lambda trial: float(trial["gain"]))  # the best of equal names comes last
         others = {_named(trial): trial for trial in best if step.instance not in trial["names"]}
         rivals = sorted(others.values(), key=lambda trial: -float(trial["gain"]))
-        for trial in (took, *rivals[:_UNLIKELY]):
+        for trial in (took, *rivals[:UNLIKELY]):
             share = max(0.0, trial["gain"] / took["gain"])
             said = f"{100.0 * share:.0f} %" if share >= 0.01 or share == 0.0 else "below 1 %"
             name = _named(trial)

@@ -6,10 +6,11 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from ..quantities import estimate
-from ..report.ranking import REFUSED, signature_chart, told_signatures, worth_showing
+from ..report.ranking import REFUSED, signature_chart, told_signatures
 from ..words.findings import Findings, Signature
 from ..words.parameters import numbers_of
-from ..words.sentences import NOT_IN_CATALOGUE, effect_words, no_effect_words, options_words, removed_words
+from ..words.ranking import other_answers, ranked_words, worth_showing
+from ..words.sentences import effect_words, removed_words
 from .drawn_bars import Bar, draw_bars
 from .drawn_chart import draw
 from .failing import sheet_view
@@ -41,19 +42,13 @@ def log_why(stream: rr.RecordingStream, findings: Findings, verdict: str) -> Non
 
 def _ranking(findings: Findings) -> list[Bar]:
     bars = []
-    for entry in worth_showing(findings):
-        choices = options_words(entry.options)
-        name = f"{effect_words(entry.effect)} ({choices})" if choices else effect_words(entry.effect)
+    for entry in worth_showing(findings.ranking)[0]:
         text = f"{100.0 * entry.probability:.0f} %"
         if entry.error_removed is not None:
             removed = removed_words(entry.error_removed)
             text += f", removes {removed}"
-        bars.append(Bar(name, 100.0 * entry.probability, text, AFTER if entry.found else FAINT))
-    for name, share in (
-        (f"{no_effect_words(findings.beyond_noise)} is missing", findings.none),
-        (NOT_IN_CATALOGUE, findings.unknown),
-    ):
-        bars.append(Bar(name, 100.0 * (share or 0.0), f"{100.0 * (share or 0.0):.0f} %", FAINT))
+        bars.append(Bar(ranked_words(entry), 100.0 * entry.probability, text, AFTER if entry.found else FAINT))
+    bars += [Bar(name, 100.0 * share, f"{100.0 * share:.0f} %", FAINT) for name, share in other_answers(findings)]
     return bars
 
 
