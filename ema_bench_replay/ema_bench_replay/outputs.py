@@ -47,3 +47,9 @@ def new_file(path: Path, *, force: bool = False) -> Iterator[BinaryIO]:
     except OSError as error:
         reason = error.strerror or error
         raise InputError(f"{path}: cannot be written ({reason}); choose another folder with -o") from None
+
+
+def write_text(path: Path, text: str, *, force: bool = False) -> None:
+    """Write a whole text file; as for `new_file`."""
+    with new_file(path, force=force) as file:
+        file.write(text.encode())

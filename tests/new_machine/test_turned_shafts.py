@@ -74,7 +74,11 @@ def test_a_motion_that_comes_back_after_a_tenth_of_the_recording_tells_the_ratio
     ("current", "told", "factor"),
     [
         (CURRENT, "sign of current [A] (positive drives forwards)", 1.0),
-        (-CURRENT, "current [A] turned round (`factor: -1` in the map): as recorded, it acts against the motion", -1.0),
+        (
+            -CURRENT,
+            "current [A]: as recorded, it acts against the motion, so its sign is reversed (`factor: -1` in",
+            -1.0,
+        ),
         (0.1 * np.sin(40.0 * TIME), "Assumed: current [A]: positive drives forwards, which the recordings", 1.0),
     ],
     ids=["as recorded", "turned", "undecided"],
@@ -83,7 +87,8 @@ def test_the_sign_of_the_current_is_found_or_assumed(tmp_path, capsys, current, 
     """Nothing was said of it, and discover refused a map that init had just written."""
     trace = written(tmp_path / "t.csv", ANGLE / 4.0, "output position [rad]", current=current)
     init(str(tmp_path / "q"), [trace])
-    assert told in " ".join(capsys.readouterr().out.split())
+    printed = capsys.readouterr()
+    assert told in " ".join(f"{printed.out} {printed.err}".split())
     read = load(trace, import_map=tmp_path / "q_map.yaml")
     assert read.signals["current"][100:200] == pytest.approx(factor * current[100:200], abs=1e-6)
     (own,), model = to_own_units([read], load_model(tmp_path / "q.yaml"))

@@ -15,7 +15,7 @@ from ema_bench_replay.bags.definitions import message_definition
 from ema_bench_replay.bags.mcap_file import MESSAGE_PREFIX, PREFIX_UNCOUNTED, McapFile, Messages
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.long_columns import release_pages
-from ema_bench_replay.outputs import new_file
+from ema_bench_replay.outputs import new_file, write_text
 from ema_bench_replay.recording import Recording
 
 STATE_TOPIC, STATE_TYPE = "/bench/state", "ema_twin_msgs/msg/EmaState"
@@ -41,8 +41,7 @@ def write_bag(recording: Recording, directory: str | Path, *, force: bool = Fals
         raise InputError(f"{folder}: holds a bag already; choose another folder with -o, or --force to replace it")
     with new_file(file, force=force) as stream:
         text = _write(recording, stream, file.name)
-    with new_file(index, force=True) as stream:
-        stream.write(text.encode())
+    write_text(index, text, force=True)
     return folder
 
 

@@ -20,7 +20,7 @@ from ema_bench_replay.bags.bag_parts import named_after
 from ema_bench_replay.bags.definitions import message_definition
 from ema_bench_replay.bags.mcap_file import MESSAGE_PREFIX, PREFIX_UNCOUNTED, Messages
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.outputs import new_file
+from ema_bench_replay.outputs import write_text
 
 #: A chunk is closed when it spans this long, in message time or wall time, ns.
 LONGEST_CHUNK = 100_000_000
@@ -272,8 +272,7 @@ class StreamWriter:
         counts = _sum(file.content.counts for file in files)
         topics = [Topic(c.topic, c.type_name, c.type_hash, c.qos, counts[c.number]) for c in self._channels.values()]
         listed = [FileOfBag(file.path.name, *file.content.span, file.messages) for file in files]
-        with new_file(self.folder / "metadata.yaml", force=True) as stream:
-            stream.write(metadata_yaml(listed, topics).encode())
+        write_text(self.folder / "metadata.yaml", metadata_yaml(listed, topics), force=True)
 
 
 def _announce(file: BagFile, channel: _Channel) -> None:

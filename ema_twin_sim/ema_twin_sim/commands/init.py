@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.outputs import write_text
 
 from ..listing import by_recording
 from . import options
@@ -122,7 +123,7 @@ def run(
             warn(sentence)
     drafts = checked_drafts(guesses, given, traces)
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
-        _write(path, text, force)
+        write_text(path, text, force=force)
     if traces:
         for guess in guesses.signals:
             if guess.column not in drafts.left_out:
@@ -152,7 +153,7 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
         warn(warning)
     shaft = Shaft(recordings[0].metadata.get(f"motor_position{AT}", "motor"), given.gear_ratio)
     model = checked_model(recordings, given, shaft, str(traces[0]))
-    _write(place, model.text, force)
+    write_text(place, model.text, force=force)
     say_what_it_rests_on(map_file, place, model.assumed)
     for question in model.questions:
         warn(question)
@@ -228,10 +229,3 @@ def _is_of_a_siemens_drive(trace: Path) -> bool:
     except InputError:
         return False
     return True
-
-
-def _write(path: Path, text: str, force: bool) -> None:
-    from ema_bench_replay.outputs import new_file
-
-    with new_file(path, force=force) as file:
-        file.write(text.encode())

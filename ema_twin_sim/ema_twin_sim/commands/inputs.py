@@ -15,7 +15,7 @@ from pathlib import Path
 from ema_bench_replay.bags.bag_parts import bag_parts, recordings_in
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
-from ema_bench_replay.outputs import new_file
+from ema_bench_replay.outputs import write_text
 from ema_bench_replay.recording import Recording
 
 from ..listing import by_recording, number_of
@@ -187,8 +187,7 @@ def refuse_evidence(path: Path | None) -> None:
 def write_json(path: Path | None, content: object) -> None:
     """Write a result as JSON, replacing an existing file; numbers that are not finite become null."""
     if path is not None:
-        with new_file(path, force=True) as file:
-            file.write((json.dumps(_finite(content), indent=1, allow_nan=False) + "\n").encode())
+        write_text(path, json.dumps(_finite(content), indent=1, allow_nan=False) + "\n", force=True)
 
 
 def _finite(content: object) -> object:

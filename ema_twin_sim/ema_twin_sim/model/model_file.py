@@ -23,7 +23,7 @@ import yaml
 from ema_bench_replay.checked_yaml import Checker, parse_yaml, read_yaml
 from ema_bench_replay.configuration import find_configuration
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.outputs import new_file
+from ema_bench_replay.outputs import write_text
 from ema_bench_replay.units import MOTIONS, unit_in
 
 from ..effects import find_effect
@@ -63,9 +63,8 @@ def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = Fals
         _model(path, parse_yaml(text))
     except InputError as error:  # a programming error: the given model is invalid
         raise RuntimeError(f"a model is not written that would not load again: {error}") from error
-    with new_file(path, force=force) as file:
-        head = "# EMA twin model, whole; units as stated, tolerances relative (one std)\n"
-        file.write(f"{head}{_units_of_effects(model)}{text}".encode())
+    head = "# EMA twin model, whole; units as stated, tolerances relative (one std)\n"
+    write_text(path, f"{head}{_units_of_effects(model)}{text}", force=force)
     return path
 
 

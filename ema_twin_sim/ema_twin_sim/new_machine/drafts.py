@@ -82,8 +82,6 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     assumed, shown = [], []
     drives = ", ".join(guess.column for guess in guesses.signals if guess.signal in _DRIVE)
     turned_drive = any(guess.turned_round for guess in guesses.signals if guess.signal in _DRIVE)
-    if turned_drive:
-        shown.append(f"{drives} turned round (`factor: -1` in the map): as recorded, it acts against the motion")
     if falls_with_load(recordings):
         guesses = replace(guesses, signals=_all_turned(guesses, ("load_torque",)))
         recordings = _read(draft_map(guesses, of, shaft), traces)
@@ -127,6 +125,9 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
                 "`factor: -1` to its line of the map)"
             )
     asked = (*questions, *model.questions)
+    if turned_drive:
+        told = f"{drives}: as recorded, it acts against the motion, so its sign is reversed (`factor: -1` in the map)"
+        asked = (f"{told}; if the motion has the wrong sign, reverse the position and the speed instead", *asked)
     warnings = tuple(warning for recording in recordings for warning in recording.warnings)
     return Drafts(
         draft_map(guesses, of, shaft),

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from urllib.parse import quote
 
-from ema_bench_replay.outputs import new_file
+from ema_bench_replay.outputs import write_text
 
 from ..campaign.histories import Outlook
 from ..campaign.store import file_name
@@ -59,15 +59,10 @@ def write_fleet(
     Raises InputError if it exists (without ``force``) or cannot be written.
     """
     overview = folder / "index.html"
-    _write(overview, _overview(units, ahead, health), force)
+    write_text(overview, _overview(units, ahead, health), force=force)
     for unit in units:
-        _write(folder / _UNITS / _file(unit), _unit(unit, ahead[unit.name], health[unit.name]), force=True)
+        write_text(folder / _UNITS / _file(unit), _unit(unit, ahead[unit.name], health[unit.name]), force=True)
     return overview
-
-
-def _write(path: Path, text: str, force: bool) -> None:
-    with new_file(path, force=force) as file:
-        file.write(text.encode())
 
 
 def _file(unit: Unit) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ema_bench_replay.outputs import new_file
+from ema_bench_replay.outputs import write_text
 
 from .chart import Charts
 from .compared import compared
@@ -20,9 +20,7 @@ from .whole_page import whole_page
 
 def write_report(path: Path, content: Content, *, force: bool = False) -> None:
     """Write the report. Raises InputError if the file exists (without ``force``) or cannot be written."""
-    text = page(content)
-    with new_file(path, force=force) as file:
-        file.write(text.encode())
+    write_text(path, page(content), force=force)
 
 
 def page(content: Content) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ema_bench_replay.outputs import new_file
+from ema_bench_replay.outputs import write_text
 
 from ..campaign.sweep_points import DetectionLimit, SweptPoint
 from ..listing import number_of
@@ -48,8 +48,7 @@ def write_sweep_page(
         ]
         parts.append(section("map", "Map", tag("div", *map(charts.add, filter(None, figures)), class_="grid")))
     parts.append(section("points", "Points", _table(points)))
-    with new_file(path, force=force) as file:
-        file.write(whole_page("Sweep", joined(parts), charts=charts).encode())
+    write_text(path, whole_page("Sweep", joined(parts), charts=charts), force=force)
     return path
 
 

@@ -15,7 +15,7 @@ START, END = 74.0, 112.0
 """Where the axis of the bars begins and ends on its sheet: names are on its left, numbers on its right."""
 THICKEST = 1.6
 """Maximum half thickness of a bar in units, which is also the radius of its round end."""
-_MOST_LETTERS = 36  # of a name
+_MOST_LETTERS = 42  # of a name
 _THICK = 0.3  # half thickness, as a share of the row
 _HIGHEST = 9.0  # units, maximum height of a row
 
