@@ -34,6 +34,16 @@ def with_friction(recordings, model, curve):
     return more
 
 
+def with_lines(recordings, amplitude, lines=1000.0):
+    """The recordings with an angle error [rad] of the output's encoder, of so many waves in a radian."""
+    erring = []
+    for recording in recordings:
+        output = recording.signals["output_position"]
+        wave = amplitude * np.sin(lines * output)
+        erring.append(with_signals(recording, {**recording.signals, "output_position": output + wave}))
+    return erring
+
+
 @pytest.mark.parametrize(
     ("effect", "parameters"),
     [
@@ -68,12 +78,7 @@ def test_what_explains_as_much_beside_any_shape_stands(stock):
 def test_a_late_encoder_stands_where_it_is_most_of_how_the_encoders_part(amplitude, stands, stock):
     """Beside lines that an encoder interpolates wrongly, a delay that takes a small part away may be their likeness."""
     late = record(stock.with_effect("encoder_delay", {"delay": 5e-4}), RUNS)
-    lined = []
-    for recording in late:
-        output = recording.signals["output_position"]
-        wave = amplitude * np.sin(60.0 * output)
-        lined.append(with_signals(recording, {**recording.signals, "output_position": output + wave}))
-    assert standing(lined, stock, "encoder_delay", {"delay": 5e-4}) == stands
+    assert standing(with_lines(late, amplitude, 60.0), stock, "encoder_delay", {"delay": 5e-4}) == stands
 
 
 @pytest.mark.parametrize(
@@ -86,11 +91,7 @@ def test_a_late_encoder_stands_where_it_is_most_of_how_the_encoders_part(amplitu
 )
 def test_a_spring_stands_beside_lines_that_err_and_not_for_play(hidden, parameters, amplitude, stands, stock):
     """The encoders part by far more than their noise in each; but most of it is the spring's where there is one."""
-    lined = []
-    for recording in record(stock.with_effect(hidden, parameters), (*RUNS, "ramp:0.1")):
-        output = recording.signals["output_position"]
-        wave = amplitude * np.sin(1000.0 * output)
-        lined.append(with_signals(recording, {**recording.signals, "output_position": output + wave}))
+    lined = with_lines(record(stock.with_effect(hidden, parameters), (*RUNS, "ramp:0.1")), amplitude)
     null = null_hypothesis(stock)
     start = settle(fit(EquationErrorProblem(observe_all(lined, stock)), null))
     spring = {"stiffness": 18.0, "damping": 0.02}
@@ -116,11 +117,7 @@ def test_play_in_the_place_of_a_spring_does_not_stand(stock):
 )
 def test_play_stands_beside_lines_that_err_and_not_for_a_soft_spring(hidden, parameters, stands, stock):
     """The lines leave far more than the encoders' noise; but nearly all that parts these is the width's, or is not."""
-    lined = []
-    for recording in record(stock.with_effect(hidden, parameters), (*RUNS, "ramp:0.1")):
-        output = recording.signals["output_position"]
-        wave = 1e-4 * np.sin(1000.0 * output)
-        lined.append(with_signals(recording, {**recording.signals, "output_position": output + wave}))
+    lined = with_lines(record(stock.with_effect(hidden, parameters), (*RUNS, "ramp:0.1")), 1e-4)
     null = null_hypothesis(stock)
     start = settle(fit(EquationErrorProblem(observe_all(lined, stock)), null))
     f = settle(fit(start.problem, null.with_effect("backlash", {}, {"width": 3e-3}), 20))

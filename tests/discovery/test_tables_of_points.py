@@ -8,6 +8,7 @@ from ema_bench_replay.load import load
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.model import load_model
+from tests.discovery.test_machines_of_others import level
 
 CONSTANT = 0.3  # N m/A
 
@@ -26,10 +27,6 @@ def drafted(tmp_path, columns, delimiter=",", **said):
     path = written(tmp_path, columns, delimiter)
     init(str(tmp_path / "m"), [path], torque_constant=CONSTANT, force=True, **said)
     return load(path, import_map=tmp_path / "m_map.yaml"), load_model(tmp_path / "m.yaml")
-
-
-def level(model, effect, parameter):
-    return sum(i.parameters[parameter] for i in model.active.values() if i.effect == effect)
 
 
 def held(rng, angle, sense):

@@ -1,7 +1,6 @@
 """Whether nothing is left that the noise does not account for: what is asked of rows that were made by hand."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -26,14 +25,9 @@ from ema_twin_sim.criteria import (
 from ema_twin_sim.discovery.criteria import explained as explained_module
 from ema_twin_sim.discovery.criteria.explained import apart, coarse, depends, explained, lagging, unexplained
 from ema_twin_sim.plant.measured_motion import SPEED
-from tests.fits_by_hand import a_fit, a_hypothesis, a_problem
+from tests.fits_by_hand import a_fit, a_hypothesis, a_problem, an_open
 
 ROWS = 100
-
-
-def an_open(stock):
-    inertia = replace(stock.constants["machine.motor_inertia"], tolerance=math.inf)
-    return replace(stock, constants={**stock.constants, "machine.motor_inertia": inertia})
 
 
 class TestExplained:

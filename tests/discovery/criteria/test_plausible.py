@@ -18,7 +18,7 @@ from ema_twin_sim.criteria import (
 )
 from ema_twin_sim.discovery.criteria import plausible
 from ema_twin_sim.discovery.criteria.plausible import insignificant, only_constants, strained
-from tests.fits_by_hand import a_fit, a_hypothesis, a_problem
+from tests.fits_by_hand import a_fit, a_hypothesis, a_problem, an_open
 
 ROWS = 100
 
@@ -90,11 +90,6 @@ def sure(h, monkeypatch, spread, jacobian=None, lost=0.0):
     monkeypatch.setattr(plausible, "fit", lambda *_, **__: None)
     monkeypatch.setattr(plausible, "penalised_gain", lambda *_: lost)
     return insignificant(a_problem(ROWS), a_fit(h, np.ones(ROWS), jacobian=jacobian))
-
-
-def an_open(stock):
-    inertia = replace(stock.constants["machine.motor_inertia"], tolerance=math.inf)
-    return replace(stock, constants={**stock.constants, "machine.motor_inertia": inertia})
 
 
 class TestInsignificant:
