@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.fitting.fit import fit_model
@@ -161,3 +163,11 @@ def test_a_delay_is_found_and_written_at_any_scale(stock, slower, tmp_path):
     assert (found.verdict, found.added) == ("explained", ("encoder_delay",))
     assert found.parameters["encoder_delay"]["delay"]["value"] == pytest.approx(0.006 * slower, rel=0.01)
     assert load_model(save_model(found.model, tmp_path / "found.yaml")).active.keys() == found.model.active.keys()
+
+
+def test_a_torque_of_no_machines_size_is_refused_with_what_to_check(stock):
+    """Samples would be less than a nanosecond apart in its own units: it ended as an internal error."""
+    time = np.arange(400) * 1_000_000
+    signals = {"motor_position": np.sin(5e-9 * time), "current": np.full(400, 1e-24)}
+    with pytest.raises(InputError, match=r"^tiny: .* of no machine's size; check the units and factors of current"):
+        to_own_units([Recording("tiny", time, signals)], stock)

@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.long_columns import joined_if_short, overlapping, pieces, quantile
 from ema_bench_replay.recording import Recording
 
@@ -52,7 +53,13 @@ def to_own_units(recordings: Sequence[Recording], model: Model) -> tuple[list[Re
     found = as_measured(recordings, model)
     begun = begun_near(found, model)
     units = own_units(found, begun)
-    return [recording_in(recording, units) for recording in found], model_in(begun, units)
+    try:
+        return [recording_in(recording, units) for recording in found], model_in(begun, units)
+    except ValueError:  # its samples would be less than a nanosecond apart
+        raise InputError(
+            f"{found[0].name}: beside its motion, its torque or current is of no machine's size; check the units and "
+            "factors of current, torque and positions in the import map"
+        ) from None
 
 
 def begun_near(recordings: Sequence[Recording], model: Model) -> Model:
