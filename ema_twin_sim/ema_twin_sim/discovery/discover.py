@@ -160,6 +160,7 @@ def discover(
     null = null_hypothesis(model, by_torque=problem.size > 0)
     excluded = excluded_effects(recordings, model, without)
     found, known = _searched(problem, null, excluded, progress)
+    found = with_factor_as_constant(found, recordings)
     searched = found.fit
     start = found.rounds[0].before
     depends_on: tuple[str, ...] = ()

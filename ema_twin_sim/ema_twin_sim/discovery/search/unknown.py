@@ -176,7 +176,10 @@ def _doubtful(found: Search) -> list[str]:
     if strange and stands == {*added}:  # another doubtful effect may have pulled the constants
         by_constants = {name for name in added if over[name] in BY_CONSTANTS}
         usual = {name for name in by_constants if is_lacked(found.fit.hypothesis, added[name].effect)}
-        stands -= by_constants - usual or by_constants  # usual effects are judged once the others are gone
+        suspects = by_constants - usual or by_constants  # usual effects are judged once the others are gone
+        bare = {name: fit(problem, found.fit.hypothesis.without(name)) for name in suspects}
+        # what pulls constants that are off without an effect as well is no reason to doubt it
+        stands -= {name for name in suspects if not {*strange} <= {*strained(bare[name])}}
     by_encoders = {name for name in added if over[name] == "encoders"} if lags else set()
     stands -= {name for name in by_encoders if not _explains(problem, found.fit, name)}
     stands -= {name for name in stands if is_play(found.fit, name) and only_teeth(problem, found.fit, name)}
