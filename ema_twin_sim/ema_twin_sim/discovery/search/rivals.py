@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from ...criteria import CLEARLY_MORE, RIVAL_MARGIN, SMALL
+from ...criteria import CLEARLY_MORE, DECIDED, RIVAL_MARGIN, SMALL
 from ...effects import Trait, catalogue, effects_with
 from ...identification.candidates import candidates
+from ...identification.chance import told_apart
 from ...identification.comparable import as_compares, cheapest
 from ...identification.compliance import structural_fits
 from ...identification.fit import Fit, fit
@@ -94,11 +95,25 @@ def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Riv
         fits = sorted(stands_in, key=lambda f: -penalised_gain(best, f))
         worth = [penalised_gain(best, f) for f in fits]
         effects = [list(f.hypothesis.added.values())[-1].effect for f in fits]
-        close = {effect for effect, gained in zip(effects, worth, strict=True) if gained > -RIVAL_MARGIN}
+        close = {
+            effect
+            for effect, rival, gained in zip(effects, fits, worth, strict=True)
+            if gained > -RIVAL_MARGIN or _hardly_told_apart(best, rival)
+        }
         runner_up, behind = (effects[0], -worth[0]) if fits else ("", float("inf"))
         group = tuple(sorted({instance.effect, *close}))
         judged.append(Rivalry(instance.effect, runner_up, behind, group, tuple(fits)))
     return tuple(judged)
+
+
+def _hardly_told_apart(best: Fit, rival: Fit) -> bool:
+    """Whether a rival may explain less only by chance: smooth shapes are hardly told apart beside wandering friction.
+
+    Constants that it pulls from their file values are told apart by these, whatever the rows tell.
+    """
+    if not best.problem.size or rival.prior_cost - best.prior_cost > RIVAL_MARGIN:
+        return False
+    return told_apart(best, rival) < DECIDED
 
 
 def substitutes(best: Fit, name: str, turn: Round) -> list[Fit]:
