@@ -1,9 +1,13 @@
 """Rivals: an effect that made another too uncertain beside it may be the wrong one of the two."""
 
+import pytest
+
+from ema_twin_sim.criteria import DECIDED
 from ema_twin_sim.discovery.search.adding import settle, trial_of
 from ema_twin_sim.discovery.search.removing import less
 from ema_twin_sim.discovery.search.rivals import judged_against_rivals, swapped
-from ema_twin_sim.discovery.search.trace import UNCERTAIN, Round, Search
+from ema_twin_sim.discovery.search.trace import SIMPLER, UNCERTAIN, Round, Search
+from ema_twin_sim.identification.chance import told_apart
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.hypothesis import null_hypothesis
@@ -37,24 +41,40 @@ def test_a_rival_that_holds_all_that_was_there_stands_in_for_nothing(stock):
     assert [trial.names for trial in turn.tried] == [("constant_load",)]
 
 
-def spring_or_gravity(recordings, stock):
-    """The effects that cannot be told from a spring, which was found in a search, by these recordings."""
+def searched(recordings, stock, took, other):
+    """A search that took one (effect, parameters) in a round where another was close."""
     problem = EquationErrorProblem(observe_all(recordings, stock))
     bare = settle(fit(problem, null_hypothesis(stock)))
-    spring, gravity = (
-        fit(bare.problem, bare.hypothesis.with_effect(effect, {}, parameters))
-        for effect, parameters in (
-            ("spring_load", {"stiffness": 0.1}),
-            ("gravity_load", {"torque": 0.1, "angle": 0.1}),
-        )
-    )
-    found = Search(spring, (Round(bare, (trial_of(bare, spring), trial_of(bare, gravity)), spring, ("spring_load",)),))
-    _, (rivalry,) = judged_against_rivals(found)
-    return rivalry.group
+    first, second = (fit(bare.problem, bare.hypothesis.with_effect(id, {}, sizes)) for id, sizes in (took, other))
+    return Search(first, (Round(bare, (trial_of(bare, first), trial_of(bare, second)), first, (took[0],)),))
 
 
-def test_beside_friction_that_wanders_shapes_that_are_nearly_equal_are_told_as_a_group(stock):
-    """Within a fifth of a turn, gravity differs from a spring by a few per cent: more than noise, less than that."""
-    recordings = record(stock.with_effect("spring_load", {"stiffness": 0.06}), ("triangle:0.4:2", "sine:0.4:0.1"), 10.0)
-    assert spring_or_gravity(recordings, stock) == ("spring_load",)
-    assert spring_or_gravity(worn(recordings, 0.05, stock), stock) == ("gravity_load", "spring_load")
+SPRING = ("spring_load", {"stiffness": 0.06})
+GRAVITY = ("gravity_load", {"torque": 0.1, "angle": 0.1})
+
+
+def swinging(stock, missing, amplitude):
+    """Recordings of a machine that lacks an effect and whose friction wanders; ``amplitude`` in rad of the output."""
+    runs = (f"triangle:{amplitude}:2", f"sine:{amplitude}:0.1")
+    return worn(record(stock.with_effect(*missing), runs, 10.0), 0.05, stock)
+
+
+def test_of_shapes_that_are_nearly_equal_the_simplest_stands_if_something_is_unknown(stock):
+    """Within a twentieth of a turn gravity is a spring and a constant load; a spring alone has one parameter."""
+    found = searched(swinging(stock, SPRING, 0.1), stock, GRAVITY, SPRING)
+    end, (rivalry,) = judged_against_rivals(found, beside_unknown=True)
+    assert [*end.fit.hypothesis.added] == ["spring_load"] and rivalry.group == (GRAVITY[0], SPRING[0])
+    assert [turn.reason for turn in end.rounds[1:]] == [SIMPLER]
+
+
+def test_a_shape_that_is_surely_told_from_a_simpler_one_stands(stock):
+    found = searched(swinging(stock, GRAVITY, 1.2), stock, GRAVITY, SPRING)
+    end, (rivalry,) = judged_against_rivals(found, beside_unknown=True)
+    assert [*end.fit.hypothesis.added] == ["gravity_load"] and rivalry.group == ("gravity_load",)
+
+
+@pytest.mark.parametrize(("amplitude", "surely"), [(0.1, False), (1.2, True)])
+def test_rows_tell_two_shapes_apart_the_more_surely_the_farther_they_swing(stock, amplitude, surely):
+    (turn,) = searched(swinging(stock, SPRING, amplitude), stock, SPRING, GRAVITY).rounds
+    spring, gravity = (trial.fit for trial in turn.tried)
+    assert (told_apart(spring, gravity) > DECIDED) == surely

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ema_twin_sim.identification.chance import gain_on_alike_noise, told_apart
+from ema_twin_sim.identification.chance import gain_on_alike_noise
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.hypothesis import null_hypothesis
@@ -47,28 +47,3 @@ def test_what_is_fast_gains_nothing(null):
     problem, f = null
     fast = np.sqrt(2.0) * np.cos(0.9 * np.pi * np.arange(ROWS))
     assert gain_on_alike_noise(problem, f, left(problem, fast), "time#0") < 0.1 * COLUMNS
-
-
-def apart(problem, noise, away):
-    """How surely rows of ``noise`` (m,) tell a fit that leaves it from one that is ``away`` (m,) from it."""
-    better, other = (
-        SimpleNamespace(problem=problem, residual=np.concatenate([rows, np.zeros(problem.rows - problem.size)]))
-        for rows in (noise, noise + away)
-    )
-    return told_apart(better, other)
-
-
-def test_on_white_noise_fits_are_told_apart_by_their_distance(null):
-    problem, _ = null
-    away = 6.0 * np.sin(np.linspace(0.0, 3.0, ROWS)) / np.sqrt(0.5 * ROWS)
-    noise = np.random.default_rng(4).standard_normal(ROWS)
-    assert apart(problem, noise, away) == pytest.approx(np.linalg.norm(away), rel=0.6)
-
-
-def test_where_neighbouring_rows_are_alike_smooth_fits_are_hardly_told_apart(null):
-    problem, _ = null
-    away = 6.0 * np.sin(np.linspace(0.0, 3.0, ROWS)) / np.sqrt(0.5 * ROWS)
-    slow = np.repeat(np.random.default_rng(5).standard_normal(ROWS // 100), 100)
-    assert apart(problem, slow, away) < 0.25 * np.linalg.norm(away)
-    fast = 6.0 * np.cos(0.9 * np.pi * np.arange(ROWS)) / np.sqrt(0.5 * ROWS)
-    assert apart(problem, slow, fast) > 2.0 * np.linalg.norm(fast)  # it is unlike this noise

@@ -171,7 +171,7 @@ def discover(
         progress("an error remains: looking for what it depends on")
         found, depends_on = beside_the_unknown(found, progress)
     progress("looking for rivals")
-    found, rivals = judged_against_rivals(found, excluded)
+    found, rivals = judged_against_rivals(found, excluded, beside_unknown=not known)
     found = with_factor_as_constant(significant(found), recordings)
     known = known and (found.fit is searched or explained(found.problem, found.fit, start))
     loop = ClosedLoop(recordings, found.fit.hypothesis.base)

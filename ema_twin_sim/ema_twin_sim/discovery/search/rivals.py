@@ -19,7 +19,7 @@ from ...identification.unseen_encoders import parting_where_unseen
 from ...model.roles import PLAY
 from ..criteria.worth import ENCODER_ONLY, is_lacked, largest_rms_reduction, penalised_gain
 from .adding import add_effects, prune, with_screened
-from .trace import BEATEN, UNCERTAIN, Round, Search, Trial, new_names
+from .trace import BEATEN, SIMPLER, UNCERTAIN, Round, Search, Trial, new_names
 
 SWAPS = 3
 
@@ -39,21 +39,32 @@ class Rivalry:
         return replace(self, fits=tuple(as_compares(f, end.problem) for f in self.fits))
 
 
-def judged_against_rivals(found: Search, without: frozenset[str] = frozenset()) -> tuple[Search, tuple[Rivalry, ...]]:
+def judged_against_rivals(
+    found: Search, without: frozenset[str] = frozenset(), *, beside_unknown: bool = False
+) -> tuple[Search, tuple[Rivalry, ...]]:
     """Replace every effect that a rival beats; return the search and the rivals that are still close.
 
-    Effects in ``without`` are no rivals.
+    Effects in ``without`` are no rivals. ``beside_unknown``: what is left unexplained decides between shapes that are
+    nearly equal, so the simplest of them stands.
     """
     rivals = rivalries(found, without)
     for _ in range(SWAPS):
         beaten = [
             rivalry
             for rivalry in rivals
-            if rivalry.behind <= -_needed(found, rivalry) and not _farther(found.fit, rivalry.fits[0])
+            if rivalry.behind <= -_needed(found, rivalry)
+            and not _farther(found.fit, rivalry.fits[0])
+            and not (beside_unknown and _hardly_told_apart(rivalry.fits[0], found.fit))
         ]
         better = max(beaten, key=lambda rivalry: -rivalry.behind, default=None)
         if better is None:
-            break
+            simpler = (_simpler(found.fit, rivalry) for rivalry in rivals) if beside_unknown else ()
+            fewer = next((rival for rival in simpler if rival is not None), None)
+            if fewer is None:
+                break
+            found = swapped(found, fewer, SIMPLER)
+            rivals = rivalries(found, without)
+            continue
         other = swapped(found, better.fits[0])
         if penalised_gain(found.fit, other.fit) <= 0.0:
             break  # the rival did not stay either
@@ -106,12 +117,20 @@ def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Riv
     return tuple(judged)
 
 
+def _simpler(best: Fit, rivalry: Rivalry) -> Fit | None:
+    """The first rival that is hardly told from an effect and has fewer parameters; None if there is none."""
+    for rival in rivalry.fits:
+        if len(rival.hypothesis.free) < len(best.hypothesis.free) and _hardly_told_apart(best, rival):
+            return rival
+    return None
+
+
 def _hardly_told_apart(best: Fit, rival: Fit) -> bool:
     """Whether a rival may explain less only by chance: smooth shapes are hardly told apart beside wandering friction.
 
     Constants that it pulls from their file values are told apart by these, whatever the rows tell.
     """
-    if not best.problem.size or rival.prior_cost - best.prior_cost > RIVAL_MARGIN:
+    if not best.problem.size or abs(rival.prior_cost - best.prior_cost) > RIVAL_MARGIN:
         return False
     return told_apart(best, rival) < DECIDED
 

@@ -18,6 +18,7 @@ def new_names(before: Fit, after: Fit) -> tuple[str, ...]:
 NEEDLESS = "no longer needed after the effect that was added"
 BEATEN = "another effect explains more in its place"
 SURER = "another effect explains as much in its place and is certain"
+SIMPLER = "a simpler effect explains as much in its place, beside what is unknown"
 WANDERS_OVER_TIME = "friction that varies slowly over the recording explains as much"
 WANDERS = "friction that varies slowly explains as much"
 UNCERTAIN = "too uncertain to be named"
