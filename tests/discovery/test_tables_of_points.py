@@ -139,3 +139,17 @@ def test_slow_rows_are_asked_about(tmp_path):
         drafted(tmp_path, columns)
     recording, _ = drafted(tmp_path, columns, operating_points=True)
     assert recording.of_points
+
+
+def test_a_propeller_is_drag_although_the_draft_has_friction(tmp_path):
+    """Its torque goes with the square of the speed; friction that is not there makes nothing unsure."""
+    rng = np.random.default_rng(3)
+    speed = np.linspace(300.0, 900.0, 16)
+    torque = 4.8e-7 * speed**2 - 0.01 + 0.004 * rng.standard_normal(len(speed))  # the sensor is a little off
+    columns = {"speed [rad/s]": speed, "current [A]": torque / CONSTANT}
+    recording, model = drafted(tmp_path, columns, operating_points=True)
+    found = discover([recording], model)
+    assert found.added == ("quadratic_drag",)
+    drag = found.parameters["quadratic_drag"]["coefficient"]
+    assert drag["value"] == pytest.approx(4.8e-7, rel=0.1) and drag["std"] < 0.1 * drag["value"]
+    assert level(found.model, "coulomb_friction", "torque") < 1e-3

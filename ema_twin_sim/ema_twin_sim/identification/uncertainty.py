@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..model.roles import FRICTION
 from .equation import EquationErrorProblem
 from .fit import Fit, prior_rows
 
@@ -33,11 +34,36 @@ def covariance(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
     """Covariance (k, k) of the free parameters: curvature and priors, plus the disagreement between blocks of rows.
 
     White-noise least squares is far too optimistic because the residual is not white. How far each recording pulls the
-    parameters shows how uncertain they are.
+    parameters shows how uncertain they are. Open friction that ended at zero would go on to negative values: it has its
+    own variance, and the others are as sure as without it.
     """
+    free = _covariance(problem, f, np.zeros(0, int))
+    ended = _at_zero(f)
+    if not len(ended):
+        return free
+    held = _covariance(problem, f, ended)
+    held[ended, ended] = free[ended, ended]
+    return held
+
+
+def _at_zero(f: Fit) -> np.ndarray:
+    """Indices of open friction that ended at zero."""
+    return np.array(
+        [
+            k
+            for k, (free, value) in enumerate(zip(f.hypothesis.free, f.hypothesis.values, strict=True))
+            if free.prior is None and free.lower == value == 0.0 and free.path.removeprefix("scale.") in FRICTION
+        ],
+        int,
+    )
+
+
+def _covariance(problem: EquationErrorProblem, f: Fit, held: np.ndarray) -> np.ndarray:
+    """Covariance (k, k) with some parameters held at their values, those with the indices ``held``."""
     _, pj = prior_rows(f.hypothesis)
     root_inflation = np.sqrt(f.row_variance_inflations)
     scaled = f.jacobian / root_inflation[:, None]
+    scaled[:, held] = 0.0
     found = scaled_inverse(scaled.T @ scaled + pj.T @ pj)
     which = blocks(problem.parts)
     # Coefficients of generic bases are not reported, and some of them depend on one block alone. What they can explain

@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 from ...criteria import (
+    CORRELATION,
     COST_EFFECT,
     COST_OF_BASIS_COLUMN,
     COST_PARAMETER,
@@ -33,6 +34,7 @@ from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.sensors import delay_of_gearbox, delay_shows
+from ...measured.observation import Observation
 from ...model.roles import BRISTLE, DRY_FRICTION, SENSOR_DELAY, SENSOR_WAVE
 from ...plant.measured_motion import MOTOR_ANGLE
 
@@ -92,12 +94,17 @@ def largest_rms_reduction(problem: EquationErrorProblem, before: Fit, after: Fit
     best = 0.0
     for k, part in enumerate(problem.torque_parts):
         rows = fell[part][problem.observations[k].below_shock_limit] if by_torque else fell[part]
-        if len(rows) >= FEWEST_ROWS:
+        if _informative(problem.observations[k], len(rows)):
             best = max(best, float(np.mean(rows)))
     for part in () if by_torque else problem.encoder_parts:
         if part.stop - part.start >= FEWEST_ROWS:
             best = max(best, float(np.mean(fell[part])))
     return math.sqrt(best)
+
+
+def _informative(o: Observation, count: int) -> bool:
+    """Whether so many rows tell a mean square. Operating points have no neighbours like themselves: each counts."""
+    return count * (CORRELATION if o.of_points else 1.0) >= FEWEST_ROWS
 
 
 def is_lacked(h: Hypothesis, effect: str) -> bool:
@@ -163,7 +170,7 @@ def left_over(problem: EquationErrorProblem, f: Fit) -> list[float]:
         z = f.raw[part][
             o.below_shock_limit & ~o.after_impact[o.rows] if parted else o.below_shock_limit
         ]  # standstill rows were left out before
-        if len(z) < FEWEST_ROWS:
+        if not _informative(o, len(z)):
             found.append(0.0)
             continue
         sizes = np.sort(np.minimum(np.abs(z), FAR_OFF_ROW))[: -max(STRAY_ROWS, len(z) // 100)]
