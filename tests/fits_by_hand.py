@@ -26,6 +26,7 @@ def a_problem(*torque_rows, encoder_rows=(), calm=None, after_impact=None, noise
     held = [
         SimpleNamespace(
             name=f"recording {k}",
+            of_points=False,
             below_shock_limit=np.ones(rows, bool) if calm is None else calm,
             after_impact=np.zeros(rows, bool) if after_impact is None else after_impact,
             rows=np.arange(rows),

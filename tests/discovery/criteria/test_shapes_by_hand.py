@@ -41,17 +41,24 @@ def a_torque_fit(h, gained, nothing=1000.0, prior=0.0, **options):
 class TestOwnShape:
     """Effect alone, any shape alone, and both: what each gains over nothing, beyond what its numbers gain by chance."""
 
-    def stands(self, monkeypatch, stock, effect, alone, any_shape, both, bases=None, columns=6, model=None, prior=0.0):
+    def stands(
+        self, monkeypatch, stock, effect, alone, any_shape, both, bases=None, columns=6, model=None, prior=0.0,
+        chance=0.0, nothing=1000.0,
+    ):  # fmt: skip
         h = a_hypothesis(model or stock, effect)
         (name,) = h.added
         over = own_shape.catalogue()[effect].depends_on
-        bare = a_torque_fit(h.without(name), 0.0, prior=prior)
+        bare = a_torque_fit(h.without(name), 0.0, nothing, prior)
         numbers = len(h.free) - len(bare.hypothesis.free)
         hidden = 1 if over == "order" else 0
-        f = a_torque_fit(h, alone + 2.0 * numbers)
+        f = a_torque_fit(h, alone + 2.0 * numbers, nothing)
         with_basis = {
-            False: a_torque_fit(bare.hypothesis.with_generic_basis("b", columns), any_shape + 2.0 * (columns + hidden)),
-            True: a_torque_fit(h.with_generic_basis("b", columns), both + 2.0 * (columns + hidden) + 2.0 * numbers),
+            False: a_torque_fit(
+                bare.hypothesis.with_generic_basis("b", columns), any_shape + 2.0 * (columns + hidden), nothing
+            ),
+            True: a_torque_fit(
+                h.with_generic_basis("b", columns), both + 2.0 * (columns + hidden) + 2.0 * numbers, nothing
+            ),
         }
         bases = {f"{over}#0": np.ones((ROWS, columns))} if bases is None else bases
         problem = a_problem(ROWS)
@@ -63,6 +70,7 @@ class TestOwnShape:
         monkeypatch.setattr(own_shape, "order_bases", lambda *_: {"order#torque1": np.ones((ROWS, columns))})
         monkeypatch.setattr(own_shape, "screen_generic_bases", lambda *_: [(9.0, name) for name in given])
         monkeypatch.setattr(own_shape, "fit_with_basis", lambda problem, known, name: with_basis[known is f])
+        monkeypatch.setattr(own_shape, "gain_on_alike_noise", lambda *_: chance)
         self.given = given
         return by_own_shape(problem, f) == (name,)
 
@@ -71,6 +79,18 @@ class TestOwnShape:
         alone = NEARLY_ALL * 1000.0
         assert self.stands(monkeypatch, stock, effect, alone, 999.0, 999.0)
         assert not self.stands(monkeypatch, stock, effect, alone, 1001.0, 1001.0)
+
+    def test_what_any_shape_gains_by_chance_does_not_count(self, stock, monkeypatch):
+        for chance, stands in ((60.0, True), (40.0, False)):
+            assert self.stands(monkeypatch, stock, "stribeck_friction", 900.0, 1000.0, 1000.0, chance=chance) == stands
+
+    def test_or_that_shape_must_explain_hardly_any_of_what_it_leaves(self, stock, monkeypatch):
+        """The effect explains 1000 and leaves ten times as much; beside it the shape explains so much of that."""
+        nothing = ROWS + SCALE * (1000.0 + 2.0 * 2.0 + 10000.0)
+        for share, stands in ((0.98, True), (1.02, False)):
+            both = 1000.0 + share * (1.0 - NEARLY_ALL) * 10000.0
+            held = self.stands(monkeypatch, stock, "stribeck_friction", 1000.0, 5000.0, both, nothing=nothing)
+            assert held == stands
 
     def test_or_most_of_what_it_does_beside_that_shape(self, stock, monkeypatch):
         """The shape explains 2000, both together so much more."""

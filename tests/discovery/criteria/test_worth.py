@@ -38,12 +38,13 @@ def a_fit(raw=(), parted=False, prior=0.0, added=(), free=(), misfits=(0.0, 0.0)
     )  # fmt: skip
 
 
-def a_problem(*torque_rows, encoder_rows=(), calm=None, after_impact=None, noise=0.01):
+def a_problem(*torque_rows, encoder_rows=(), calm=None, after_impact=None, noise=0.01, of_points=False):
     """Recordings of so many rows of torque, one after another, and then those of the encoders."""
     edges = np.cumsum([0, *torque_rows, *encoder_rows])
     parts = [slice(a, b) for a, b in pairwise(edges)]
     held = [
         SimpleNamespace(
+            of_points=of_points,
             below_shock_limit=np.ones(rows, bool) if calm is None else calm,
             after_impact=np.zeros(rows, bool) if after_impact is None else after_impact,
             rows=np.arange(rows),
@@ -129,6 +130,12 @@ class TestLeftOver:
         assert left_over(a_problem(1000), a_fit([1.0] * 990 + [25.0] * 10)) == [0.0]
         assert left_over(a_problem(FEWEST_ROWS - 1), a_fit([3.0] * (FEWEST_ROWS - 1))) == [0.0]
         assert left_over(a_problem(FEWEST_ROWS), a_fit([3.0] * FEWEST_ROWS))[0] > 0.01
+
+    def test_of_operating_points_half_as_many_tell_as_much(self):
+        """They have no neighbours that resemble them."""
+        half = FEWEST_ROWS // 2
+        assert left_over(a_problem(half, of_points=True), a_fit([3.0] * half))[0] > 0.01
+        assert left_over(a_problem(half - 1, of_points=True), a_fit([3.0] * (half - 1))) == [0.0]
 
     def test_a_row_that_is_far_off_counts_as_no_more_than_that(self):
         sizes = [1.0] * 80 + [1e6] * 20
