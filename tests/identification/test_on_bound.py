@@ -73,3 +73,20 @@ def test_nothing_is_on_a_bound_where_all_is_well():
     arm = open_arm()
     assert not [text for text in discover(swings_of(arm), arm).warnings if "bound" in text]
     assert np.isfinite(arm.value("machine.motor_inertia"))
+
+
+def test_no_load_is_named_where_the_torque_drives_neither_inertia_nor_friction():
+    """A joint that somebody moves: its motor follows, and what it gives has nothing of the joint's own."""
+    arm = open_arm().without_effect("gravity_load")
+    rng = np.random.default_rng(1)
+    moved = []
+    for swing in swings_of(arm):
+        position, speed = swing.signals["motor_position"], swing.signals["speed"]
+        acceleration = np.gradient(speed, swing.time)
+        pushed = np.interp(swing.time, np.arange(0.0, 21.0, 0.5), 150.0 * rng.standard_normal(42))
+        torque = 150.0 * position - 10.0 * speed - 3.0 * np.sign(speed) - 20.0 * acceleration + pushed
+        current = torque / arm.value("machine.torque_constant")
+        moved.append(replace(swing, signals={**swing.signals, "current": current}))
+    found = discover(moved, arm)
+    assert found.verdict == "unknown" and found.added == ()
+    assert TURNED in found.warnings

@@ -11,6 +11,7 @@ from ..model.constants import CONSTANTS
 from ..model.own_units import shown
 from ..model.roles import DRY_FRICTION, FRICTION
 from .equation import EquationErrorProblem
+from .estimates import standard_errors
 from .fit import Fit
 from .hypothesis import INERTIAS, Free
 
@@ -35,22 +36,37 @@ def on_bounds(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float]) 
 
     Before them one on the torque's sign, if the inertia and all friction of an unknown machine ended at their least.
     """
-    h = f.hypothesis
-    found = []
-    least = {}  # by open constant: whether it is on its lower bound
-    for free, value, lower, upper in zip(h.free, h.values, *problem.bounds(h), strict=True):
-        kind, _, rest = free.path.partition(".")
-        if free.prior is not None or kind not in ("effects", "scale"):
-            continue
-        typical = _typical(f, free)
-        side = reached_bound(float(value), float(lower), float(upper), sure.get(free.path, math.inf), typical)
-        if kind == "scale" and rest in ("inertia", *FRICTION):
-            least[rest] = side == "lower"
+    found = [TURNED] if torque_turned(problem, f, sure) else []
+    for path, side in _ended(problem, f, sure).items():
+        kind, _, rest = path.partition(".")
         if side is not None:
             found += _added(f, rest, side) if kind == "effects" else _open(f, rest)
-    if len(least) > 1 and all(least.values()):
-        found.insert(0, TURNED)
     return tuple(found)
+
+
+def torque_turned(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float] | None = None) -> bool:
+    """Whether the inertia and all friction of an unknown machine ended at their least, as for a torque of wrong sign.
+
+    ``sure`` are the standard errors by path, if they are known already.
+    """
+    paths = {f"scale.{what}" for what in ("inertia", *FRICTION)}
+    asked = [free.path for free in f.hypothesis.free if free.path in paths and free.prior is None]
+    if len(asked) < 2 or not problem.size:
+        return False
+    ended = _ended(problem, f, standard_errors(problem, f) if sure is None else sure)
+    return all(ended[path] == "lower" for path in asked)
+
+
+def _ended(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float]) -> dict[str, str | None]:
+    """By path, of added effects and of the open model: the bound that a parameter ended on, if any."""
+    h = f.hypothesis
+    return {
+        free.path: reached_bound(
+            float(value), float(lower), float(upper), sure.get(free.path, math.inf), _typical(f, free)
+        )
+        for free, value, lower, upper in zip(h.free, h.values, *problem.bounds(h), strict=True)
+        if free.prior is None and free.path.partition(".")[0] in ("effects", "scale")
+    }
 
 
 def _typical(f: Fit, free: Free) -> float:
