@@ -10,6 +10,7 @@ from ema_twin_sim.discovery.search.trace import SIMPLER, UNCERTAIN, Round, Searc
 from ema_twin_sim.identification.chance import told_apart
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
+from ema_twin_sim.identification.generic_bases import beside_generic_bases
 from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe_all
 from tests.identification.test_wander import worn
@@ -78,3 +79,12 @@ def test_rows_tell_two_shapes_apart_the_more_surely_the_farther_they_swing(stock
     (turn,) = searched(swinging(stock, SPRING, amplitude), stock, SPRING, GRAVITY).rounds
     spring, gravity = (trial.fit for trial in turn.tried)
     assert (told_apart(spring, gravity) > DECIDED) == surely
+
+
+def test_what_depends_on_the_time_beside_both_is_no_obstacle(stock):
+    """Its columns become noise of the same friction."""
+    (turn,) = searched(swinging(stock, SPRING, 0.1), stock, SPRING, GRAVITY).rounds
+    beside = beside_generic_bases(turn.before.problem, turn.before)
+    columns = beside.generic_bases["time#0"].shape[1]
+    spring, gravity = (fit(beside, trial.fit.hypothesis.with_generic_basis("time#0", columns)) for trial in turn.tried)
+    assert told_apart(spring, gravity) < DECIDED

@@ -59,6 +59,8 @@ def encoder_units(recordings: Sequence[Recording], model: Model, radius: float |
 def typical_units(recordings: Sequence[Recording], model: Model, radius: float | None = None) -> OwnUnits:
     """Units in which a machine recorded without torque has the size of the reference bench: time from its speed.
 
+    A machine too fast for its samples has a longer unit of time, in which these are as close as the bench's.
+
     The torque unit is arbitrary, chosen so that the model's inertia equals the reference's. ``radius`` [m] is that of
     the drum that represents a linear machine.
     """
@@ -68,7 +70,9 @@ def typical_units(recordings: Sequence[Recording], model: Model, radius: float |
     if not (square > 0.0 and inertia > 0.0):
         return OwnUnits(radius=radius)
     drum = radius or 1.0
-    time = reference_bench.MOTOR_SPEED * drum / math.sqrt(square)
+    period = max(float(time[1] - time[0]) for time, _ in motors)
+    # a contact that rings many times between two samples takes long to simulate and shows nothing
+    time = max(reference_bench.MOTOR_SPEED * drum / math.sqrt(square), period / reference_bench.LONGEST_PERIOD)
     return OwnUnits(time, inertia * drum**2 / reference_bench.INERTIA / time**2, 1.0, radius)
 
 
