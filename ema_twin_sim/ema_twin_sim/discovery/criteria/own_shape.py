@@ -127,9 +127,10 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     if gained >= share * (_gained(bare, any_shape, scale) - chance):
         return True
     both = fit_with_basis(beside, f, best)
-    # what is unknown depends on something else if this quantity explains hardly any of what the effect leaves
+    # what is unknown depends on something else if this quantity explains hardly any of what the effect leaves; the
+    # basis of one order says nothing about another
     left = (f.misfits[0] - problem.size) / scale
-    if _gained(f, both, scale) - chance <= (1.0 - NEARLY_ALL) * left:
+    if over != "order" and _gained(f, both, scale) - chance <= (1.0 - NEARLY_ALL) * left:
         return True
     # if it explains as much with that shape as alone, it does not imitate it: both are there
     return gained > 0.0 and _gained(any_shape, both, scale) >= MOSTLY * gained
