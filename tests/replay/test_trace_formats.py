@@ -48,6 +48,31 @@ def test_number_formats_and_delimiters(trace, delimiter, cells):
     assert recording.signals["current_setpoint"].tolist() == [0.25, 0.25]
 
 
+@pytest.mark.parametrize("delimiter", [",", ";", "\t"])
+@pytest.mark.parametrize("columns", [2, 3, 4, 6])
+def test_the_number_of_rows_decides_nothing(tmp_path, columns, delimiter):
+    """The names hold blanks, and the rows go on behind the lines among which the first row of numbers must be."""
+    names = ["time [s]", "motor speed [rad/s]", "motor current [A]", "motor position [rad]", "bus [V]", "case [degC]"]
+    path = tmp_path / "trace.csv"
+    header = delimiter.join(names[:columns])
+    for rows in range(195, 231):
+        cells = [delimiter.join(f"{row + 0.25 * column:.5f}" for column in range(columns)) for row in range(rows)]
+        path.write_text("\n".join([header, *cells, ""]))
+        table = read_table(path)
+        assert table.header == names[:columns]
+        assert [len(column) for column in table.columns] == [rows] * columns
+        assert [column[-1] for column in table.columns] == [rows - 1 + 0.25 * column for column in range(columns)]
+
+
+@pytest.mark.parametrize("rows", [1, 198, 199, 200, 201, 230])
+def test_columns_of_blanks_are_read_with_any_number_of_rows(tmp_path, rows):
+    path = tmp_path / "trace.txt"
+    path.write_text("\n".join(["time speed current", *(f"{row} {row}.5 {row}.25" for row in range(rows)), ""]))
+    table = read_table(path)
+    assert table.header == ["time", "speed", "current"]
+    assert table.columns[2].tolist() == [row + 0.25 for row in range(rows)]
+
+
 def test_thousands_in_a_german_file_are_not_decimals(trace):
     recording = load(trace(rows=["0,0;812.347;1.445;0,1;0,1;", "2,0;812.348;1.446;0,2;0,2;"]))
     assert recording.output_angle_origin == pytest.approx(2 * math.pi * 812_347 / 4e6)

@@ -18,7 +18,8 @@ _COMMENT = re.compile(r"\s*[#%]+\s*")
 def with_tabs(block: bytes) -> bytes:
     """A text's first block with tabs in place of separating blanks; unchanged if there is another separator."""
     lines = block.split(b"\n", MOST_LINES)
-    rows = next((k for k in range(len(lines)) if _begins_rows(lines, k)), None)
+    first = lines[:MOST_LINES]  # what follows is many lines in one, which may look like a single row
+    rows = next((k for k in range(len(first)) if _begins_rows(first, k)), None)
     if rows is None:
         return block
     width = len(lines[rows].split())
