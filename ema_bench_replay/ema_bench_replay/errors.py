@@ -1,4 +1,4 @@
-"""The one exception for input that cannot be used."""
+"""The exception for input that cannot be used, and its kinds."""
 
 from __future__ import annotations
 
@@ -37,3 +37,11 @@ def _printable(character: str) -> str:
     if character.isprintable():
         return character
     return " " if character.isspace() else character.encode("unicode_escape").decode()
+
+
+class TimeGoesBackError(InputError):
+    """The time of a trace of so many ``rows`` goes back."""
+
+    def __init__(self, message: str, rows: int) -> None:
+        super().__init__(message)
+        self.rows = rows

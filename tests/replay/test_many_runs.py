@@ -83,7 +83,9 @@ def test_how_to_read_a_file_of_many_runs_is_told_where_its_time_goes_back(tmp_pa
     with pytest.raises(InputError, match=r"one run; ema-twin campaign reads each by itself, as .*run: sequence"):
         load(path, import_map="cranfield_ball_screw")
     plain = tmp_path / "plain.yaml"
-    plain.write_text("version: 1\ntime: {column: 'time.*'}\nsignals: {current: {columns: [current.*], unit: A}}\n")
+    plain.write_text(
+        "version: 1\ntime: {column: 'time.*', unit: s}\nsignals: {current: {columns: [current.*], unit: A}}\n"
+    )
     with pytest.raises(InputError, match=r"one run; or, with `run: sequence` in the import map, ema-twin campaign"):
         load(path, import_map=plain)
 

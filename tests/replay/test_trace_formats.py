@@ -73,6 +73,34 @@ def test_columns_of_blanks_are_read_with_any_number_of_rows(tmp_path, rows):
     assert table.columns[2].tolist() == [row + 0.25 for row in range(rows)]
 
 
+@pytest.mark.parametrize(
+    "word", ["ticks", "tick", "Counts", "pulses", "increments", "Inkremente", "steps", "raw", "rpm"]
+)
+def test_a_row_of_units_is_known_by_its_words(tmp_path, word):
+    path = tmp_path / "trace.csv"
+    path.write_text(f"Time;Position;Speed\nms;{word};rad/s\n0;1;2\n1;2;2\n")
+    assert read_table(path).header == ["Time [ms]", f"Position [{word}]", "Speed [rad/s]"]
+
+
+@pytest.mark.parametrize("end", ["", ";"])
+def test_units_between_names_and_short_names_are_those_of_the_names(tmp_path, end):
+    path = tmp_path / "trace.csv"
+    rows = ["Time;Set speed;Position", "ms;rad/s;ticks", "t;m1setvel;m1pos", "0;1;2", "1;2;2"]
+    path.write_text("".join(f"{row}{end}\n" for row in rows))
+    table = read_table(path)
+    assert table.header == ["Time [ms]", "Set speed [rad/s]", "Position [ticks]"]
+    assert [column.tolist() for column in table.columns] == [[0.0, 1.0], [1.0, 2.0], [2.0, 2.0]]
+    assert table.line(0) == 4
+
+
+@pytest.mark.parametrize("above", ["", "Motor;Motor;Motor\n"])
+def test_names_below_their_units_have_these(tmp_path, above):
+    """A line of groups above them names no column."""
+    path = tmp_path / "trace.csv"
+    path.write_text(f"{above}ms;rad/s;ticks\nt;speed;position\n0;1;2\n1;2;2\n")
+    assert read_table(path).header == ["t [ms]", "speed [rad/s]", "position [ticks]"]
+
+
 def test_thousands_in_a_german_file_are_not_decimals(trace):
     recording = load(trace(rows=["0,0;812.347;1.445;0,1;0,1;", "2,0;812.348;1.446;0,2;0,2;"]))
     assert recording.output_angle_origin == pytest.approx(2 * math.pi * 812_347 / 4e6)

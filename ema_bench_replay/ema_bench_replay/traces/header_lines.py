@@ -1,6 +1,7 @@
 """Find the header of a text trace: programs write information above it, and often a row of units below it.
 
-The header is the line above the first row of numbers. Comments, blank lines and quoted texts above it are skipped. If
+The header is the line above the first row of numbers. Comments, blank lines and quoted texts above it are skipped.
+Where short names follow a row of units, the names above the units are the header, if each column has its own there. If
 nothing else names the columns, a comment directly above the rows with the same number of cells does, as written by
 numpy.
 """
@@ -10,6 +11,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from ema_bench_replay.traces.header_words import is_unit
 from ema_bench_replay.traces.time_of_day import is_time_of_day
 
 MOST_LINES = 200
@@ -18,12 +20,8 @@ _DELIMITERS = (";", "\t", ",")
 _NUMBER = re.compile(r"[-+]?[\d.,]*\d[\d.,]*(?:[eE][-+]?\d+)?")
 _UNIT_MARK = re.compile(r"[\[(].*[\])]|[-+\w.*·^⁻¹²]*[°%/µμΩ][-+\w./*·^⁻¹² ]*")
 _TIMES = {"s", "sec", "ms", "us", "ns", "min"}
-_UNITS = {
-    *_TIMES,
-    *("rad", "mrad", "deg", "grad", "rev", "turns", "u", "tr", "inc", "counts"),
-    *("rpm", "upm", "hz", "a", "ma", "v", "mv", "w", "kw", "n", "kn", "nm", "mnm", "ncm", "m", "mm", "um", "degc"),
-}
-"""Units in lower case that are recognised as such; other units contain a character that names do not have."""
+_OTHER_UNITS = {"min", "w", "kw", "hz", "raw", "bit", "bits"}
+"""Units in lower case of what no signal measures; others that are not known have a character that names do not have."""
 
 
 @dataclass(frozen=True)
@@ -60,13 +58,13 @@ def header_lines(block: bytes) -> HeaderLines | None:
     if _is_row(lines[plain][0]) and all(_is_row(text) for text, _ in lines[plain + 1 : plain + 2] if text):
         return _header_in_comment(lines, plain)
     rows = next((k for k in range(plain + 1, len(lines)) if _is_row(lines[k][0])), None)
-    header = plain if rows is None else _above(lines, plain, rows)
-    if rows is not None and header == rows - 2:
-        mark = _delimiter(lines[header][0])
-        units = _cells(lines[rows - 1][0], mark)
-        text = mark.join(_with_units(_with_time(_cells(lines[header][0], mark), units), units))
-        return HeaderLines(text, rows, lines[rows - 1][1])
+    header, of_units = (plain, None) if rows is None else _above(lines, plain, rows)
     text = lines[header][0]
+    if rows is not None and of_units is not None:
+        mark = _delimiter(text)
+        units = _cells(lines[of_units][0], mark)
+        text = mark.join(_with_units(_with_time(_cells(text, mark), units), units))
+        return HeaderLines(text, rows, lines[rows - 1][1])
     if rows is not None and header == rows - 1:
         mark = _delimiter(lines[rows][0])
         cells, width = _cells(text, mark), len(lines[rows][0].split(mark))
@@ -86,8 +84,10 @@ def _header_in_comment(lines: list[tuple[str, int]], rows: int) -> HeaderLines:
     raise NoHeader(rows + 1, _width(lines[rows][0], mark), mark)
 
 
-def _above(lines: list[tuple[str, int]], plain: int, rows: int) -> int:
-    """The header's index among the lines; ``rows`` is where the rows begin, ``plain`` the first non-comment line.
+def _above(lines: list[tuple[str, int]], plain: int, rows: int) -> tuple[int, int | None]:
+    """Index among the lines of the header and of the line of units, if there is one.
+
+    ``rows`` is where the rows begin, ``plain`` the first non-comment line.
 
     Raises NoHeader if that line is a single text.
     """
@@ -101,14 +101,19 @@ def _above(lines: list[tuple[str, int]], plain: int, rows: int) -> int:
 
     if not wide(rows - 1, *widths):
         if wide(rows - 1, whole + 1):  # a column of comments that is empty in all rows
-            return rows - 1
+            return rows - 1, None
         if _width(lines[plain][0], mark) == 1:
             raise NoHeader(rows + 1, widths[1], mark)
-        return plain
-    units = _cells(lines[rows - 1][0], mark)
-    if wide(rows - 2, _width(lines[rows - 1][0], mark)) and _are_units(units):
-        return rows - 2 if _are_names(_with_time(_cells(lines[rows - 2][0], mark), units)) else rows - 1
-    return rows - 1
+        return plain, None
+    last, before, first = (_cells(lines[k][0], mark) if k >= 0 else [] for k in (rows - 1, rows - 2, rows - 3))
+    if not wide(rows - 2, len(last)):
+        return rows - 1, None
+    if _are_units(last):
+        return (rows - 2, rows - 1) if _are_names(_with_time(before, last)) else (rows - 1, None)
+    if not _are_units(before):
+        return rows - 1, None
+    own_names = wide(rows - 3, len(last)) and _are_names(_with_time(first, before)) and len({*first}) == len(first)
+    return (rows - 3 if own_names else rows - 1), rows - 2
 
 
 def _cells(line: str, mark: str) -> list[str]:
@@ -152,7 +157,9 @@ def _are_units(cells: list[str]) -> bool:
     """Whether all cells are units or empty, and at least one is not empty."""
     plain = [cell.strip().strip('"').strip() for cell in cells]
     told = [cell for cell in plain if cell not in ("", "-")]
-    return bool(told) and all(cell.lower() in _UNITS or _UNIT_MARK.fullmatch(cell) for cell in told)
+    return bool(told) and all(
+        is_unit(cell) or cell.lower() in _OTHER_UNITS or _UNIT_MARK.fullmatch(cell) for cell in told
+    )
 
 
 def _are_names(cells: list[str]) -> bool:

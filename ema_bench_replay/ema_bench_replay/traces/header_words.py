@@ -30,7 +30,7 @@ _SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
     "rev": ("position", ("rev", "revs", "revolution", "revolutions", "turn", "turns", "umdr", "umdrehung",
                          "umdrehungen", "u", "r", "tr", "tour", "tours", "giro", "giri", "vuelta", "vueltas")),
     COUNTS: ("position", ("count", "counts", "cnt", "cnts", "inc", "incs", "increments", "ink", "inkr", "inkremente",
-                          "tick", "ticks", "pulses", "impulse", "lsb")),
+                          "tick", "ticks", "pulses", "impulse", "impulses", "lsb")),
     "m": ("position", ("m", "meter", "metre", "metres", "meters")),
     "mm": ("position", ("mm",)),
     "cm": ("position", ("cm",)),
@@ -78,6 +78,9 @@ _SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
     "mV": ("voltage", ("mv",)),
     "degC": ("temperature", ("°c", "degc", "c", "celsius", "gradc")),
 }  # fmt: skip
+
+_COUNTS_AS_UNITS = frozenset({"pulse", "increment", "step", "steps", "edges", "schritte", "qc"})
+"""Words for counts where a unit stands, in brackets or in a row of units; elsewhere they are parts of names."""
 
 _UNIT_OF = {spelling: unit for unit, (_, spellings) in _SPELLINGS.items() for spelling in spellings}
 _SUPERSCRIPTS = str.maketrans({"⁻": "-", "¹": "1", "²": "2", "μ": "µ", "º": "°", "⋅": "·", "∙": "·"})
@@ -127,6 +130,11 @@ class HeaderWords:
         return self.unit in ("m", "mm", "cm", "um", "m/s", "mm/s", "cm/s", "m/min", "N", "mN", "kN")
 
 
+def is_unit(text: str) -> bool:
+    """Whether a text in the place of a unit is a known one."""
+    return _unit_in_its_place(unicodedata.normalize("NFC", text).translate(_SUPERSCRIPTS)) is not None
+
+
 def header_words(name: str) -> HeaderWords:
     """Split a column's name into words and unit."""
     text = unicodedata.normalize("NFC", name.strip()).translate(_SUPERSCRIPTS)
@@ -142,11 +150,16 @@ def _unit(text: str) -> str | None:
     return _UNIT_OF.get(re.sub(r"\s+", " ", plain))
 
 
+def _unit_in_its_place(text: str) -> str | None:
+    """The unit that a text between brackets, or in a row of units, tells."""
+    return _unit(text) or (COUNTS if text.strip().lower() in _COUNTS_AS_UNITS else None)
+
+
 def _without_unit(text: str) -> tuple[str, str | None, bool, str]:
     """(name without its unit, unit, whether that may be a subscript, unknown text in the place of a unit)."""
     foreign = ""
     for found in reversed(list(_BRACKETS.finditer(text))):
-        if unit := _unit(found[1]):
+        if unit := _unit_in_its_place(found[1]):
             return text[: found.start()] + " " + text[found.end() :], unit, False, ""
         foreign = foreign or found[1]
     plain = _BRACKETS.sub(" ", text).strip() or text

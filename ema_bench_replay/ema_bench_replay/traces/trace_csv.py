@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ema_bench_replay.errors import InputError
+from ema_bench_replay.errors import InputError, TimeGoesBackError
 from ema_bench_replay.long_columns import (
     by_pieces,
     differences,
@@ -140,9 +140,11 @@ class _Trace:
                     f"{stopped.size} rows below it, which tell the same time, are left out"
                 )
             if few.size:
+                those = "rows" if few.size > 1 else "row"
+                tell = "tell" if few.size > 1 else "tells"
                 self._warn(
-                    f"{few.size} row{'s' if few.size > 1 else ''} (the first in line {table.line(few[0])}) "
-                    "tell the time of the row before: left out"
+                    f"{few.size} {those} (the first in line {table.line(few[0])}) {tell} the time of the row before: "
+                    "left out"
                 )
             self.table = table = table.without(repeats)
             stamps = _stamps(table.columns[places[0]], unit)
@@ -151,13 +153,16 @@ class _Trace:
         if back.size or repeats.size:
             row = int(back[0] if back.size else repeats[0])
             how, remedy = "goes back", f"cut the file there, it holds more than one run{self._how_to_read_runs()}"
+            if back.tolist() == [1]:
+                remedy = f"only the first row is late: remove line {table.line(0)}"
             if not back.size:
                 how, remedy = "repeats", f"{repeats.size} of {len(values)} rows do: export it with more decimals"
                 if (stopped := _last_run(repeats, len(values))).size >= max(2.0, _STOPPED * len(values)):
                     row = int(stopped[0])
                     how, remedy = "stops", f"all {stopped.size} rows from here on tell the same: cut them off"
             shown = f"{values[row]:.10g} {unit} after {values[row - 1]:.10g} {unit}"
-            raise InputError(f"{table.place(row)}: column {name!r}: time {how} ({shown}); {remedy}")
+            said = f"{table.place(row)}: column {name!r}: time {how} ({shown}); {remedy}"
+            raise TimeGoesBackError(said, len(values)) if back.size else InputError(said)
         if len(stamps) < 2:
             raise InputError(f"{table.path}: has one row only; a recording needs at least two")
         resolution = TIME_UNITS[unit] * 10.0 ** -table.decimals[places[0]]

@@ -170,6 +170,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     """
     import numpy as np
 
+    from ema_bench_replay.traces.header_words import header_words
     from ema_bench_replay.traces.run_columns import count_of_runs, how_to_read_runs, run_columns
     from ema_bench_replay.traces.trace_table import read_table
 
@@ -203,6 +204,12 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
             first = int(np.flatnonzero(np.isnan(numbers[name]))[0]) + 1
             said += f"; to use it, remove the rows without a value (the first is data row {first})"
         say(said)
+    for name in guesses.other_motion:
+        unit, other = header_words(name).unit, "linear" if guesses.motion == "rotary" else "rotary"
+        say(
+            f"{name}: {unit} is a unit of a {other} machine, and by the other columns this one is {guesses.motion}, so "
+            "it is not used; if the unit is wrong, correct the header and run init again"
+        )
     for name in run_columns(guesses.left):
         count = count_of_runs(numbers[name])
         if count > 1:

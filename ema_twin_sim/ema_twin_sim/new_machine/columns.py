@@ -24,10 +24,12 @@ from .joints import ONE_JOINT, Joint, Numbered, likeness, one_joint, travel
 _STEMS: dict[str, str] = {
     "time": r"time|zeit|^temps?$|^tempo$|^tiempo",
     "temperature": r"^temp",
-    "torque": r"torque|moment|force|kraft|^trq|^tau$|effort|^couple|^coppia|^par$|^forza$|^fuerza$",
-    "current": r"current|strom|^amps?$|^cur$|^courant|^corr?iente|^corrente",
+    "torque": r"torque|moment|force|kraft|^(set|ref|cmd|act|meas)?trq|^tau$|effort|^couple|^coppia|^par$|^forza$"
+    r"|^fuerza$",
+    "current": r"current|strom|^amps?$|^(set|ref|cmd|act|meas)?cur$|^courant|^corr?iente|^corrente",
     "voltage": r"volt|spannung",
-    "speed": r"speed|veloc|drehzahl|geschwind|omega|^vel$|^rpm$|^spd$|^vitesse|^vit$|^regime$|^giri$",
+    "speed": r"speed|veloc|drehzahl|geschwind|omega|^(set|ref|cmd|act|meas)?(vel|rpm|spd)$|^vitesse|^vit$|^regime$"
+    r"|^giri$",
     "position": r"posi|^pos|pos$|angle|winkel|^lage(?!r)|lage$|lageist|lagesoll|encoder|geber|^enc$|^weg$|travel|twist"
     r"|verdreh|^angol|^angul|^codeur|^recorrido$",
     "power": r"power|leistung|^watts?$|^puissance$|^potenza$|^potencia$",
@@ -48,6 +50,7 @@ _SYMBOLS: dict[str, frozenset[str]] = {
 
 _SETPOINT = (
     r"setp|soll|command|demand|desire|target|refer|rifer|consign|vorgabe|fuehrung"
+    r"|^(set|ref|cmd)(vel|rpm|spd|speed|pos|cur|torque|trq)"
     r"|^(set|ref|cmd|sp|des|star|goal|wanted|tgt)$"
 )
 _ACTUAL = r"^(ist|act|actual|meas|measured|fb|feedback|mesuree?|misurat[ao]|medid[ao]|reale?)$|istwert|^ist"
@@ -56,8 +59,9 @@ _OUTPUT = (
     r"|^sortie|^charge$|^uscita|^carico|^salida|^carga$"
 )
 _MOTOR = r"motor|rotor|antrieb|^moteur|^motore|^(mot|m|1|fast|primary|drive|input)$"
+_MOTOR_ITSELF = r"motor|rotor|antrieb|^moteur|^mot$"
 _NO_SIGNAL = (
-    r"error|fehler|deviat|abweich|limit|grenz|ripple|accel|beschleun|status|^(mode|flags?|ddot|max|min|dc|udc|idc)$"
+    r"error|fehler|deviat|abweich|limit|grenz|ripple|accel|^acc[xyz]?$|beschleun|vibration|status|^(mode|flags?|ddot|max|min|dc|udc|idc)$"
     r"|zwischenkreis|^bus$|supply|^(id|isd)$|offset"
 )
 _TRANSDUCER = r"^sensor|transducer|^cell$|loadcell|messwelle|dehn|strain"
@@ -72,6 +76,8 @@ _TIME_WORDS = (
 )
 _POWER_UNIT = r"[umk\u00b5]?W|k?VA|VAr"
 """Units of power, which no signal has."""
+_ACCELERATION_UNIT = r"m?g|g_?n|G|k?(m|rad|deg|\u00b0)\s*/\s*s(\^?2|\u00b2)|(m|rad|deg)\s*s\^?-2"
+"""Units of acceleration, which no signal has either."""
 _DIRECT_OR_PHASE = frozenset({"d", "u", "v", "w", "a", "b", "c", "alpha", "beta"})
 """Subscripts of currents and voltages that are not of the quadrature axis."""
 
@@ -107,6 +113,7 @@ class Guesses:
     of_points: bool = False  # whether each row is an operating point, not a sample of a motion
     points_doubt: str = ""  # why it is taken for one, if nobody said so
     joint: Joint = ONE_JOINT  # whose columns they are, if a trace holds those of several joints
+    other_motion: tuple[str, ...] = ()  # columns not used since their units are those of the other kind of motion
 
     @property
     def drives(self) -> bool:
@@ -163,7 +170,10 @@ def guess_columns(
     usable = [read for read in names if read is not time and read.name not in no_numbers]
     whole = {name: values for name, values in (numbers or {}).items() if name not in no_numbers}
     of_joint, usable = one_joint([_numbered(read) for read in usable], whole, joint)
-    columns = [column for column in map(_column, usable) if column is not None]
+    other_motion = tuple(
+        read.name for read in usable if read.linear not in (None, linear) and _column(read) is not None
+    )
+    columns = [column for column in map(_column, usable) if column is not None and column.name not in other_motion]
     taken = _signals(columns, numbers or {})
     motion = "linear" if linear else "rotary"
     signals = tuple(
@@ -178,7 +188,7 @@ def guess_columns(
     )
     used = {column.name for column in taken.values()}
     left = tuple(name for name in header if name not in used and (time is None or name != time.name))
-    return replace(_timed(time, signals, left, motion), joint=of_joint)
+    return replace(_timed(time, signals, left, motion), joint=of_joint, other_motion=other_motion)
 
 
 def named_columns(named: Mapping[str, str]) -> Guesses:
@@ -215,12 +225,16 @@ def _has(words: Sequence[str], pattern: str) -> bool:
 
 
 def _is_linear(names: Sequence[HeaderWords]) -> bool:
-    """Whether the machine is linear, by the unambiguous units of positions, speeds and torques."""
-    sure = [read.linear for read in names if not read.in_doubt and read.linear is not None]
-    if sure:
-        positions = [read.linear for read in names if not read.in_doubt and read.quantity == "position"]
-        told = [linear for linear in positions if linear is not None] or sure
-        return any(told)
+    """Whether the machine is linear, by the unambiguous units of positions, else of speeds, else of torques.
+
+    A motor that turns decides for a rotary one.
+    """
+    sure = [read for read in names if not read.in_doubt and read.linear is not None]
+    if any(not read.linear and read.quantity != "torque" and _has(read.words, _MOTOR_ITSELF) for read in sure):
+        return False
+    for quantity in ("position", "speed", "torque"):
+        if told := [read.linear for read in sure if read.quantity == quantity]:
+            return any(told)
     doubted = [read for read in names if read.in_doubt and read.unit == "m"]
     return len(doubted) == 1 and _has(doubted[0].words, _SLIDES)  # if there are several, m is a subscript for the motor
 
@@ -237,9 +251,19 @@ def _word_quantity(words: Sequence[str]) -> str | None:
     """The quantity that the words give; a position with a dot is a speed."""
     found = next(
         (quantity for quantity, pattern in _STEMS.items() if _has(words, pattern)),
-        next((quantity for word in words for quantity, known in _SYMBOLS.items() if word in known), None),
+        next(
+            (q for word in words for q, known in _SYMBOLS.items() if word in known and not _numbers(word, words)), None
+        ),
     )
     return "speed" if found == "position" and "dot" in words else found
+
+
+def _numbers(letter: str, words: Sequence[str]) -> bool:
+    """Whether a letter only numbers what the words name, as in ``m1foo``: of a motor, a sensor, an axis."""
+    if len(letter) > 1 or len(words) < 3 or words[0] != letter or not words[1].isdigit():
+        return False
+    known = f"{_SETPOINT}|{_ACTUAL}|{_OUTPUT}|{_MOTOR}|{_FILTERED}|^(dot|raw|\\d+)$"
+    return not all(re.search(known, word) for word in words[2:])
 
 
 def contradicted_quantity(name: str) -> str:
@@ -259,13 +283,17 @@ def contradicted_quantity(name: str) -> str:
 
 
 def _time_column(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> HeaderWords | None:
-    """The time column: by its name, or by a unit of time; of several, the first that rises."""
+    """The time column: by its name, or by a unit of time; of several, the first that rises.
+
+    One with both is the clock even if it does not rise: reading it tells what is wrong with it.
+    """
     called = [read for read in names if _is_time(read)]
     others = [read for read in names if read.quantity == "time" and read not in called]
     if called and not numbers:
         return called[0]
-    rising = (read for read in (*called, *others) if read.name in numbers and (np.diff(numbers[read.name]) > 0.0).all())
-    return next(rising, called[0] if called else None)
+    rising = [read for read in (*called, *others) if read.name in numbers and (np.diff(numbers[read.name]) > 0.0).all()]
+    clocks = [read for read in called if read.quantity == "time"]
+    return next(iter((*(read for read in rising if read in called), *clocks, *rising, *called)), None)
 
 
 def _is_time(read: HeaderWords) -> bool:
@@ -288,7 +316,8 @@ def _column(read: HeaderWords) -> _Column | None:
     quantity = read.quantity or by_words
     if read.foreign and read.quantity is None and by_words is None:
         return None
-    if read.quantity is None and (re.fullmatch(_POWER_UNIT, read.foreign) or read.words[-2:] == ("k", "w")):
+    no_signals = _POWER_UNIT if by_words == "torque" else f"{_POWER_UNIT}|{_ACCELERATION_UNIT}"  # a force may be in g
+    if read.quantity is None and (re.fullmatch(no_signals, read.foreign) or read.words[-2:] == ("k", "w")):
         return None  # a letter beside it, as of an axis X or S, is no symbol of a position
     if quantity in (None, "time", "power"):
         return None

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ema_bench_replay.errors import InputError
+from ema_bench_replay.errors import InputError, TimeGoesBackError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import AT_EITHER_SHAFT, MOTION, Recording
 from ema_bench_replay.traces.import_map import load_map
@@ -28,6 +28,7 @@ from .columns import Guess, Guesses
 from .given import Given
 from .map_draft import draft_map
 from .model_draft import ModelDraft, draft_model, farthest
+from .rows import may_be_points
 from .shaft import Shaft, is_possible, position_shaft, ratio_of_positions, too_slow_for_a_motor
 from .unit_questions import questions_about_units
 
@@ -209,7 +210,10 @@ def _read(map_text: str, traces: Sequence[Path]) -> list[Recording]:
             return [load(trace, import_map=place) for trace in traces]
         except InputError as error:  # without the path of a file that the user never sees
             of = f"{traces[0]}: the map drafted from it" if traces else "the drafted map"
-            raise InputError(str(error).replace(str(place), of)) from None
+            said = str(error).replace(str(place), of)
+            if isinstance(error, TimeGoesBackError) and may_be_points(error.rows):
+                said += "; if each row is an operating point, at rest or at a constant speed, give --operating-points"
+            raise InputError(said) from None
 
 
 def checked_model(recordings: Sequence[Recording], given: Given, shaft: Shaft, source: str = "") -> ModelDraft:

@@ -39,6 +39,11 @@ def with_kind_of_rows(guesses: Guesses, numbers: Mapping[str, np.ndarray], said:
     return guesses
 
 
+def may_be_points(count: int) -> bool:
+    """Whether so many rows whose time goes back may be operating points in any order."""
+    return count < _SERIES
+
+
 def _why_points(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> str:
     """Why rows with a time are operating points nevertheless; empty if they are samples.
 

@@ -1,0 +1,106 @@
+"""Columns that `init` once took for something else: numbered names, clocks that step back, units of another motion."""
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.traces.header_words import COUNTS, header_words
+from ema_twin_sim.commands.init import run as init
+from ema_twin_sim.new_machine.columns import guess_columns
+
+TIME = np.arange(400) * 2e-3
+ANGLE = 30.0 * (1.0 - np.cos(5.0 * TIME))
+SPEED = 150.0 * np.sin(5.0 * TIME)
+CURRENT = 0.5 * np.sign(SPEED) + 0.2 * np.cos(5.0 * TIME)
+
+
+def signals(*header):
+    return {guess.column: guess.signal for guess in guess_columns(header).signals}
+
+
+def written(place, columns):
+    rows = "\n".join(",".join(f"{value:.12g}" for value in row) for row in zip(*columns.values(), strict=True))
+    place.write_text(",".join(columns) + "\n" + rows + "\n")
+    return place
+
+
+@pytest.mark.parametrize("name", ["m1foo", "m1state", "M2 xyz", "x1foo", "v3 open"])
+def test_a_letter_that_numbers_a_part_is_no_symbol(name):
+    assert signals("t", name) == {}
+
+
+@pytest.mark.parametrize(
+    ("name", "signal"),
+    [
+        ("m1setvel", "speed_setpoint"),
+        ("m1vel", "speed"),
+        ("m1cur", "current"),
+        ("m1setcur", "current_setpoint"),
+        ("m1pos", "motor_position"),
+        ("m1trq", "motor_torque"),
+        ("M1", "motor_torque"),
+        ("M1 ist", "motor_torque"),
+        ("q1 raw", "motor_position"),
+        ("i1 act", "current"),
+    ],
+)
+def test_what_a_number_does_not_change(name, signal):
+    assert signals("t", name) == {name: signal}
+
+
+@pytest.mark.parametrize("name", ["AccX (g)", "x [m/s²]", "s (g)", "Vibration (g)", "alpha [rad/s^2]"])
+def test_an_acceleration_is_no_position(name):
+    assert signals("t", "I [A]", name) == {"I [A]": "current"}
+
+
+def test_steps_are_counts_only_where_a_unit_stands():
+    assert header_words("motor position [steps]").unit == COUNTS
+    assert header_words("step").unit is None and header_words("time step").unit is None
+
+
+def test_a_clock_of_that_name_and_unit_is_the_clock_though_it_steps_back(tmp_path):
+    time = TIME.copy()
+    time[0] = time[1] + 5e-4
+    columns = {"Time (s)": time, "ESC signal (µs)": 1000.0 + np.arange(len(TIME)), "speed [rad/s]": SPEED}
+    trace = written(tmp_path / "trace.csv", {**columns, "current [A]": CURRENT})
+    with pytest.raises(InputError, match=r"line 3: column 'Time \(s\)': time goes back .* first row .* remove line 2"):
+        init(str(tmp_path / "m"), [trace])
+
+
+def test_a_single_repeated_time_is_said_and_left_out(tmp_path, capsys):
+    time = TIME.copy()
+    time[1] = time[0]
+    columns = {"Time (s)": time, "ESC signal (µs)": 1000.0 + 0.5 * np.arange(len(TIME)), "speed [rad/s]": SPEED}
+    init(str(tmp_path / "m"), [written(tmp_path / "trace.csv", {**columns, "current [A]": CURRENT})])
+    told = " ".join(capsys.readouterr().err.split())
+    assert "1 row (the first in line 3) tells the time of the row before: left out" in told
+    assert "column: 'Time \\(s\\)'" in (tmp_path / "m_map.yaml").read_text()
+
+
+def test_a_table_whose_time_goes_back_may_be_of_operating_points(tmp_path):
+    columns = {"time [s]": [3.0, 1.0, 2.0, 5.0, 4.0, 6.0], "speed [rad/s]": np.arange(6.0), "torque [N m]": np.ones(6)}
+    trace = written(tmp_path / "table.csv", columns)
+    with pytest.raises(InputError, match=r"time goes back .* give --operating-points"):
+        init(str(tmp_path / "m"), [trace])
+    init(str(tmp_path / "m"), [trace], operating_points=True)
+    assert "operating_points: true" in (tmp_path / "m_map.yaml").read_text()
+
+
+def test_long_samples_whose_time_goes_back_are_no_operating_points(tmp_path):
+    columns = {"time [s]": np.tile(TIME, 2), "speed [rad/s]": np.tile(SPEED, 2), "current [A]": np.tile(CURRENT, 2)}
+    with pytest.raises(InputError, match="time goes back") as refused:
+        init(str(tmp_path / "m"), [written(tmp_path / "trace.csv", columns)])
+    assert "operating" not in str(refused.value)
+
+
+def test_a_motor_that_turns_is_of_a_rotary_machine_whatever_the_unit_of_its_torque(tmp_path, capsys):
+    columns = {"time [s]": TIME, "motor speed [rpm]": SPEED, "motor torque [mN]": CURRENT, "motor current [A]": CURRENT}
+    init(str(tmp_path / "m"), [written(tmp_path / "trace.csv", columns)])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "motor torque [mN]: mN is a unit of a linear machine" in told and "motor speed [rpm] → speed in rpm" in told
+    assert "motion: linear" not in (tmp_path / "m_map.yaml").read_text()
+
+
+def test_a_carriage_is_linear_whatever_its_encoder_counts():
+    guesses = guess_columns(["t", "position [mm]", "speed [rev/s]", "force [N]"])
+    assert guesses.motion == "linear" and guesses.other_motion == ("speed [rev/s]",)
