@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.comparison.orders import amplitude_spectrum, find_order
+from ema_twin_sim.comparison.where import Stretch, find_dependences
 from ema_twin_sim.measured import order_spectrum
 
 TIME = np.arange(10_000) * 2e-3
@@ -102,3 +103,40 @@ def test_a_spectrum_alone_is_that_of_the_strongest_order():
     assert not found.dissipative
     assert np.array_equal(amplitude_spectrum([of[:2] for of in parts]), found.spectrum)
     assert amplitude_spectrum([part(1e-3 * TIME, lambda a, d: 0.01 * np.sin(a))[:2]]) is None
+
+
+def steady(turns_per_sample, wave, noise=0.01, samples=20_000):
+    """A shaft that turns steadily, but for a little, as under speed control."""
+    angle = 2.0 * np.pi * turns_per_sample * (np.arange(samples) + 0.3 * np.sin(0.002 * np.arange(samples)))
+    return part(angle, wave, noise)
+
+
+def test_no_order_is_named_that_the_samples_do_not_show():
+    """At 18.6 samples a turn, a constant looks like the orders 18.6, 37.2 …; the highest shown is 9.3."""
+    turns = 1.0 / 18.6
+    constant = [steady(turns, lambda a, d: np.full(len(a), 1.4))]
+    assert find_order(constant, resolved=True).order < 9.3
+    found = find_order([steady(turns, lambda a, d: 1.4 + 0.2 * np.sin(4.0 * a))], resolved=True)
+    assert found.order == pytest.approx(4.0, abs=0.01) and found.amplitude == pytest.approx(0.2, rel=0.05)
+    assert not found.spectrum[found.spectrum.size // 10 :].any()  # orders from 16 on
+
+
+def test_each_recording_shows_the_orders_that_its_own_samples_do():
+    """A slow recording shows order 24; a fast one of the same machine, which cannot, does not hide it."""
+
+    def wave(angle, direction):
+        return 0.2 * np.sin(24.0 * angle + 0.5)
+
+    fast, slow = steady(1.0 / 18.6, lambda a, d: np.full(len(a), 1.4)), steady(1.0 / 150.0, wave)
+    found = find_order([fast, slow], resolved=True)
+    assert found.order == pytest.approx(24.0, abs=0.01)
+    assert found.amplitude == pytest.approx(0.2, rel=0.05) and found.share > 0.9
+    assert found.spectrum.max() == pytest.approx(0.2, rel=0.1)
+
+
+def test_where_the_error_is_a_constant_no_order_is_named_in_its_place():
+    residual, angle, direction = steady(1.0 / 18.587, lambda a, d: np.full(len(a), 1.4))
+    stretch = Stretch(residual, 340.0 * direction, angle, angle / 12.0, 1e-3 * np.arange(len(angle)))
+    found = {dependence.variable: dependence for dependence in find_dependences("current", "A", [stretch])}
+    assert found["constant"].share > 0.99
+    assert found["order"].lower < 9.3 and found["order"].share < 0.01

@@ -155,7 +155,7 @@ def compare(
         dependence
         for name, parts in stretches.items()
         if parts
-        for dependence in _dependences(model, name, parts, torques.get(name), slow, together == BY_MOTOR)
+        for dependence in _dependences(model, name, parts, torques.get(name), slow)
     ]
     misread = (*_inconsistent(given, asked), *unusual_currents(given, asked))
     return Comparison(
@@ -272,14 +272,14 @@ def _torque_error(recording: Recording, model: Model) -> TorqueError | None:
 
 
 def _dependences(
-    model: Model, name: str, parts: Sequence[Stretch], torque: float | None, slow: float, resolved: bool
+    model: Model, name: str, parts: Sequence[Stretch], torque: float | None, slow: float
 ) -> list[Dependence]:
     """What a signal's residual depends on, in the units of the machine's file.
 
-    Below ``slow`` [rad/s] there is no direction. With ``resolved``, no order is named that the samples do not resolve.
+    Below ``slow`` [rad/s] there is no direction.
     """
     if model.units is None:
-        return find_dependences(name, _UNITS[name], parts, torque, standstill=slow, resolved=resolved)
+        return find_dependences(name, _UNITS[name], parts, torque, standstill=slow)
     (_, unit), (way, _) = shown(model, 1.0, _UNITS[name]), shown(model, 1.0, "rad")
     native = [in_native_units(model, name, part) for part in parts]
     return find_dependences(name, unit, native, torque, motion="linear", standstill=slow * way)

@@ -46,12 +46,13 @@ def find_order(
     """The strongest order in parts of (residual, motor angle [rad], direction -1 or 1), each (n,) and moving.
 
     With ``resolved``, a part does not count for orders of which it has fewer than two samples a cycle at its usual top
-    speed: a lower order, of the output's turns, looks like any of them. None if no part turns far enough.
+    speed: a lower order, or a constant, looks like any of them. None if no part turns far enough.
     """
-    plain, flipped = np.zeros_like(ORDERS), np.zeros_like(ORDERS)
+    plain, flipped, samples = np.zeros_like(ORDERS), np.zeros_like(ORDERS), np.zeros_like(ORDERS)
     used = [part for part in parts if len(part[0]) >= _FEWEST_SAMPLES]
     for residual, angle, direction in used:
-        counts = highest_resolved(angle) > ORDERS if resolved else True
+        counts = highest_resolved(angle) > ORDERS if resolved else np.full(len(ORDERS), True)
+        samples += len(residual) * counts
         plain += largest_in_cells(ORDERS, residual, angle, _FEWEST_CYCLES) * counts
         flipped += largest_in_cells(ORDERS, by_pieces(np.multiply, residual, direction), angle, _FEWEST_CYCLES) * counts
     if not plain.any():
@@ -61,7 +62,10 @@ def find_order(
     power = flipped if dissipative else plain
     if dissipative:
         used = [(by_pieces(np.multiply, residual, direction), angle, direction) for residual, angle, direction in used]
-    best = refined(float(ORDERS[int(np.argmax(power))]), _STEP, [part[:2] for part in used])
+    strongest = float(ORDERS[int(np.argmax(power))])
+    if resolved:
+        used = [part for part in used if highest_resolved(part[1]) > strongest]
+    best = refined(strongest, _STEP, [part[:2] for part in used])
     residual, angle = (joined([part[k] for part in used]) for k in (0, 1))
     if len(residual) > _ENOUGH:  # random, since every n-th sample would alias orders
         rows = np.random.default_rng(0).choice(len(residual), _ENOUGH, replace=False)
@@ -81,7 +85,7 @@ def find_order(
         math.atan2(b, a),
         explained / float(np.mean(residual**2)),
         dissipative if clear else None,
-        _amplitudes(power, used),
+        _amplitudes(power, samples),
         std,
     )
 
@@ -95,12 +99,12 @@ def amplitude_spectrum(parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> np.nda
     power = np.zeros_like(ORDERS)
     for residual, angle in used:
         power += largest_in_cells(ORDERS, residual, angle, _FEWEST_CYCLES)
-    return _amplitudes(power, used) if power.any() else None
+    return _amplitudes(power, sum(len(residual) for residual, _ in used)) if power.any() else None
 
 
-def _amplitudes(power: np.ndarray, parts: Sequence[tuple[np.ndarray, ...]]) -> np.ndarray:
-    """Amplitudes of waves that have this ``power`` in the residuals of all parts together."""
-    return np.sqrt(2.0 * power / sum(len(part[0]) for part in parts))
+def _amplitudes(power: np.ndarray, samples: np.ndarray | int) -> np.ndarray:
+    """Amplitudes (m,) of waves that have this ``power`` (m,) in so many ``samples`` of all parts together."""
+    return np.sqrt(2.0 * power / np.maximum(samples, 1))
 
 
 def highest_resolved(angle: np.ndarray) -> float:

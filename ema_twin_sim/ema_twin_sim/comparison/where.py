@@ -150,14 +150,13 @@ def find_dependences(
     *,
     motion: str = "rotary",
     standstill: float = STANDSTILL,
-    resolved: bool = False,
 ) -> list[Dependence]:
     """The residual of ``signal`` against each variable, the main dependence first; empty if there is too little data.
 
     If several variables explain nearly the same, the simplest comes first: an error that depends on direction is also a
     function of speed. ``torque`` is the N m per unit of the signal, if applicable. ``motion`` is ``linear`` for a
-    linear machine; ``standstill`` [rad/s or m/s] is the speed below which a direction means little. With ``resolved``,
-    only orders with at least two samples a cycle are named.
+    linear machine; ``standstill`` [rad/s or m/s] is the speed below which a direction means little. Only
+    orders with at least two samples a cycle are named.
     """
     stretches = [_finite(stretch) for stretch in stretches]
     residual = joined([stretch.residual for stretch in stretches]) if stretches else np.zeros(0)
@@ -175,7 +174,7 @@ def find_dependences(
     found += [d for v in variables if (d := _binned(signal, unit, residual, *v)) is not None]
     # a carriage has no revolutions
     turns = motion == "rotary"
-    periodic = _periodic(signal, unit, residual, stretches, torque, standstill, resolved) if turns else None
+    periodic = _periodic(signal, unit, residual, stretches, torque, standstill) if turns else None
     if periodic is not None:
         found.insert(1, periodic)
     best = max(dependence.share for dependence in found)
@@ -285,7 +284,6 @@ def _periodic(
     stretches: Sequence[Stretch],
     torque: float | None,
     standstill: float,
-    resolved: bool,
 ) -> Dependence | None:
     """The order (cycles per motor revolution) that contains most of the residual's power."""
     parts = []
@@ -296,7 +294,7 @@ def _periodic(
             by_pieces(moves, values, stretch.speed) for values in (stretch.residual, stretch.motor_angle, stretch.speed)
         )
         parts.append((residual_there, angle, by_pieces(np.sign, speed)))
-    found = find_order(parts, resolved=resolved)
+    found = find_order(parts, resolved=True)
     if found is None:
         return None
     power = found.amplitude**2 / 2.0
