@@ -135,7 +135,8 @@ def test_each_recording_shows_the_orders_that_its_own_samples_do():
 
 
 def test_where_the_error_is_a_constant_no_order_is_named_in_its_place():
-    residual, angle, direction = steady(1.0 / 18.587, lambda a, d: np.full(len(a), 1.4))
+    angle = 2.0 * np.pi / 18.587 * np.arange(20_000)
+    residual, _, direction = part(angle, lambda a, d: 1.4 + 0.1 * np.sin(0.01 * a), noise=0.05)
     stretch = Stretch(residual, 340.0 * direction, angle, angle / 12.0, 1e-3 * np.arange(len(angle)))
     found = {dependence.variable: dependence for dependence in find_dependences("current", "A", [stretch])}
     assert found["constant"].share > 0.99
