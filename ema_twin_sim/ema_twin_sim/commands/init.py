@@ -124,10 +124,10 @@ def run(
     drafts = checked_drafts(guesses, given, traces)
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
         write_text(path, text, force=force)
+    guesses = guesses.without(tuple(drafts.left_out))
     if traces:
         for guess in guesses.signals:
-            if guess.column not in drafts.left_out:
-                say(f"{guess.column} → {guess.signal}{in_unit(guess)}")
+            say(f"{guess.column} → {guess.signal}{in_unit(guess)}")
         for column, reason in drafts.left_out.items():
             say(f"{column}: {reason}")
         warn_of_foreign_units(guesses)

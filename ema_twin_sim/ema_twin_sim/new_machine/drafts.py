@@ -28,6 +28,7 @@ from .columns import Guess, Guesses
 from .given import Given
 from .map_draft import draft_map
 from .model_draft import ModelDraft, draft_model, farthest
+from .position_beside_speed import not_summed, unlike_speed
 from .rows import may_be_points
 from .shaft import Shaft, is_possible, position_shaft, ratio_of_positions, too_slow_for_a_motor
 from .unit_questions import questions_about_units
@@ -73,7 +74,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     not_load = f"not used as the load: {reason}" if reason else ""
     of_signal = {
         "load_torque": not_load,
-        "motor_position": _standing(recordings),
+        "motor_position": not_summed(recordings) or _standing(recordings) or unlike_speed(recordings),
         "output_position": _of_no_gear(recordings, guesses),
     }
     left_out = {guess.column: why for guess in guesses.signals if (why := of_signal.get(guess.signal, ""))}

@@ -1,0 +1,69 @@
+"""`init` with a position that is not the integral of the speed beside it."""
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.recording import Recording
+from ema_twin_sim.commands.init import run as init
+from ema_twin_sim.new_machine.position_beside_speed import not_summed, unlike_speed
+
+TIME = np.arange(2000) * 5e-3
+SPEEDS = {
+    "both ways": 40.0 * np.sin(1.3 * TIME) + 10.0 * np.sin(7.0 * TIME),
+    "one way": 30.0 + 10.0 * np.sin(1.3 * TIME),
+    "steps": 20.0 * np.sign(np.sin(0.9 * TIME)) * (1.0 + (TIME > 5.0)),
+}
+NOISE = np.random.default_rng(3).normal(size=len(TIME))
+
+
+def recorded(speed, position, origin=0.0):
+    signals = {"speed": speed + 0.1 * NOISE, "motor_position": position - position[0]}
+    stamps = np.rint(TIME * 1e9).astype(np.int64)
+    return Recording("r", stamps, signals, motor_angle_origin=origin + float(position[0]))
+
+
+def way(speed):
+    return np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(TIME))])
+
+
+@pytest.mark.parametrize("name", SPEEDS)
+@pytest.mark.parametrize("scale", [1.0, -1.0, 1e-3, 57.3])
+def test_the_integral_of_the_speed_is_a_position_in_any_unit(name, scale):
+    position = scale * (way(SPEEDS[name]) + 0.05 * NOISE)
+    assert not_summed([recorded(SPEEDS[name], position)]) == unlike_speed([recorded(SPEEDS[name], position)]) == ""
+
+
+@pytest.mark.parametrize("name", SPEEDS)
+def test_what_goes_elsewhere_is_no_position(name):
+    recording = recorded(SPEEDS[name], 60.0 * np.roll(NOISE, 700))
+    assert "nothing in common" in unlike_speed([recording]) and not_summed([recording]) == ""
+
+
+@pytest.mark.parametrize("name", ["both ways", "steps"])
+@pytest.mark.parametrize("every", [1, 20])
+def test_counts_since_the_last_sample_are_told_as_such(name, every):
+    """Some loggers fetch them now and then only, and write zero in between."""
+    counts = np.where(np.arange(len(TIME)) % every == 0, np.round(300.0 * np.diff(way(SPEEDS[name]), prepend=0.0)), 0.0)
+    assert "counts since the last sample" in not_summed([recorded(SPEEDS[name], counts)])
+
+
+def test_a_position_that_stands_still_is_no_sum():
+    assert not_summed([recorded(SPEEDS["one way"], np.full(len(TIME), 1234.0) + np.round(NOISE))]) == ""
+
+
+def test_one_recording_that_shows_the_position_is_enough():
+    good = recorded(SPEEDS["both ways"], way(SPEEDS["both ways"]))
+    assert unlike_speed([recorded(SPEEDS["both ways"], 60.0 * np.roll(NOISE, 700)), good]) == ""
+
+
+def test_init_leaves_it_out_and_says_so_once(tmp_path, capsys):
+    speed = SPEEDS["both ways"]
+    columns = [TIME, np.round(60.0 * np.roll(NOISE, 700)), speed + 0.1 * NOISE, np.sign(speed) + 0.1 * NOISE]
+    rows = "\n".join(",".join(f"{value:.9g}" for value in row) for row in zip(*columns, strict=True))
+    trace = tmp_path / "trace.csv"
+    trace.write_text(f"time [s],motor position,motor speed [rad/s],motor current [A]\n{rows}\n")
+    init(str(tmp_path / "m"), [trace])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "motor position: not used: it has nothing in common with the integral of the speed" in told
+    assert told.count("motor position") == 1
+    assert "motor_position" not in (tmp_path / "m_map.yaml").read_text()
