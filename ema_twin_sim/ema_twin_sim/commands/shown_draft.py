@@ -95,8 +95,10 @@ def say_next(
         say(f"{why[:1].upper()}{why[1:]}: each row is read as an operating point, at rest or at constant speed.")
     say("Then:")
     say(f"  ema-twin info {traces[0]} --map {quote(str(files[0]))}")
+    unsigned = " and ".join(guess.column for guess in guesses.signals if guess.magnitude)
     if guesses.both_encoders and not guesses.drives:
-        say("No current or torque was found: only backlash, delay and angle errors of the encoders can be found.")
+        missed = "No current or torque with a sign" if unsigned else "No current or torque"
+        say(f"{missed} was found: only backlash, delay and angle errors of the encoders can be found.")
     if guesses.drives or guesses.both_encoders:
         say_search(trace, *files)
         return
@@ -107,6 +109,9 @@ def say_next(
             f"  {names} cannot be left out: fill in the missing values in {trace}, or remove these rows, and run init "
             "again."
         )
+    elif unsigned:
+        say(f"  {unsigned} has no sign, so no twin can be driven: only the health can be judged (docs/health.md):")
+        say(f"  ema-twin campaign FOLDER --do health --map {quote(str(files[0]))} -o results")
     else:
         say(f"  No current or torque was found: add its column to {files[0]}; nothing can be analysed without it.")
 

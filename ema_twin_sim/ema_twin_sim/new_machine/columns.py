@@ -7,13 +7,13 @@ measurement, and the motor's shaft from the output's. Each signal is taken once,
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import AT_EITHER_SHAFT
+from ema_bench_replay.recording import AT_EITHER_SHAFT, MAY_BE_MAGNITUDES
 from ema_bench_replay.traces.header_words import COUNTS, HeaderWords, header_words
 from ema_bench_replay.traces.import_map import TIME_UNITS
 from ema_bench_replay.units import units_of
@@ -64,6 +64,8 @@ _NO_SIGNAL = (
     r"error|fehler|deviat|abweich|limit|grenz|ripple|accel|^acc[xyz]?$|beschleun|vibration|status|^(mode|flags?|ddot|max|min|dc|udc|idc)$"
     r"|zwischenkreis|^bus$|supply|^(id|isd)$|offset"
 )
+_SUPPLY = r"supply|^(dc|bus|battery|batt)$|zwischenkreis|versorg"
+"""Names of a drive's supply, whose current has not the sign of the motor's."""
 _TRANSDUCER = r"^sensor|transducer|^cell$|loadcell|messwelle|dehn|strain"
 """Names of transducers that measure the torque behind a machine whose current is measured too."""
 _FILTERED = r"^filt|smooth|geglaett"
@@ -95,6 +97,7 @@ class Guess:
     of_motor: bool = False  # whether its name says that it is given at the motor's shaft
     shaft_doubt: str = ""  # what to check, if the shaft was not in the name
     turned_round: bool = False  # whether its sign is reversed
+    magnitude: bool = False  # whether it has no sign
 
     @property
     def shaft(self) -> str:
@@ -117,13 +120,18 @@ class Guesses:
 
     @property
     def drives(self) -> bool:
-        """Whether the current or the motor's torque is among them."""
-        return any(guess.signal in ("current", "motor_torque") for guess in self.signals)
+        """Whether the current or the motor's torque is among them, with its sign."""
+        return any(guess.signal in MAY_BE_MAGNITUDES and not guess.magnitude for guess in self.signals)
 
     def without(self, columns: Sequence[str]) -> Guesses:
         """The same without using these columns."""
         kept = tuple(guess for guess in self.signals if guess.column not in columns)
         return replace(self, signals=kept, left=(*self.left, *columns))
+
+    def as_magnitudes(self, signals: Collection[str]) -> Guesses:
+        """The same with these signals read as magnitudes without sign."""
+        read = tuple(replace(guess, magnitude=True) if guess.signal in signals else guess for guess in self.signals)
+        return replace(self, signals=read)
 
     @property
     def both_encoders(self) -> bool:
@@ -175,6 +183,9 @@ def guess_columns(
     )
     columns = [column for column in map(_column, usable) if column is not None and column.name not in other_motion]
     taken = _signals(columns, numbers or {})
+    supply = None if {"current", "motor_torque"} & taken.keys() else _supply_current(usable, numbers or {})
+    if supply is not None:
+        taken = {name: {**taken, "current": supply}[name] for name in _ORDER if name in {*taken, "current"}}
     motion = "linear" if linear else "rotary"
     signals = tuple(
         Guess(
@@ -183,6 +194,7 @@ def guess_columns(
             _unit(column.read, signal, motion),
             column.shaft == "output" or (signal == "load_torque" and column.shaft == ""),
             of_motor=column.shaft == "motor",
+            magnitude=column is supply,
         )
         for signal, column in taken.items()
     )
@@ -334,6 +346,19 @@ def _column(read: HeaderWords) -> _Column | None:
         else ""
     )
     return _Column(read, quantity, desired or _has(words, _SETPOINT), _has(words, _ACTUAL), shaft)
+
+
+def _supply_current(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> _Column | None:
+    """The supply's current, if it is never negative: how large the motor's is, without its sign."""
+    for read in names:
+        words = tuple(word for word in read.words if not re.search(_SUPPLY, word))
+        values = numbers.get(read.name)
+        if len(words) == len(read.words) or values is None or not np.nanmin(values, initial=0.0) >= 0.0:
+            continue
+        column = _column(replace(read, words=words))
+        if column is not None and column.quantity == "current" and not column.setpoint:
+            return replace(column, read=read)
+    return None
 
 
 def _numbered(read: HeaderWords) -> Numbered:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -32,6 +32,7 @@ from .position_beside_speed import not_summed, unlike_speed
 from .rows import may_be_points
 from .shaft import Shaft, is_possible, position_shaft, ratio_of_positions, too_slow_for_a_motor
 from .unit_questions import questions_about_units
+from .unsigned_drive import unsigned_signals
 
 _OUTPUTS = ("output_position", "output_command")
 _DRIVE = ("current", "current_setpoint", "motor_torque")
@@ -50,6 +51,7 @@ class Drafts(NamedTuple):
     left_out: Mapping[str, str] = MappingProxyType({})
     warnings: tuple[str, ...] = ()
     known: tuple[str, ...] = ()
+    magnitudes: frozenset[str] = frozenset()  # signals that the map reads as magnitudes without sign
 
 
 def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Drafts:
@@ -70,6 +72,9 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         return Drafts(drafted, checked_model((recording,), given, shaft, source).text)
     for recording in recordings:
         _refuse_slow_samples(recording, guesses)
+    magnitudes = frozenset(guess.signal for guess in guesses.signals if guess.magnitude)
+    if new := unsigned_signals(recordings) - magnitudes:
+        return checked_drafts(guesses.as_magnitudes(new), given, traces)
     reason = _no_load(recordings, guesses.motion)
     not_load = f"not used as the load: {reason}" if reason else ""
     of_signal = {
@@ -82,7 +87,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         guesses = guesses.without(tuple(left_out))
         recordings = _read(draft_map(guesses, of, shaft), traces)
     assumed, shown = [], []
-    drives = ", ".join(guess.column for guess in guesses.signals if guess.signal in _DRIVE)
+    drives = ", ".join(g.column for g in guesses.signals if g.signal in _DRIVE and not g.magnitude and guesses.drives)
     turned_drive = any(guess.turned_round for guess in guesses.signals if guess.signal in _DRIVE)
     if falls_with_load(recordings):
         guesses = replace(guesses, signals=_all_turned(guesses, ("load_torque",)))
@@ -114,7 +119,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
             f"{columns}: read as values of the output shaft, {slow} (if one is the motor's, say so in its name, as in "
             "'motor position [rad]', and run init again)"
         )
-    model = checked_model(recordings, given, shaft, source)
+    model = checked_model([_without(recording, magnitudes) for recording in recordings], given, shaft, source)
     if drives and not turned_drive:
         sign = _sign_of_drive(recordings, model)
         if sign < 0:  # all else is judged again with it
@@ -126,7 +131,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
                 f"{drives}: positive drives forwards, which the recordings do not show clearly (otherwise add "
                 "`factor: -1` to its line of the map)"
             )
-    asked = (*questions, *model.questions)
+    asked = (*(_no_sign(guess) for guess in guesses.signals if guess.magnitude), *questions, *model.questions)
     if turned_drive:
         told = f"{drives}: as recorded, it acts against the motion, so its sign is reversed (`factor: -1` in the map)"
         asked = (f"{told}; if the motion has the wrong sign, reverse the position and the speed instead", *asked)
@@ -139,6 +144,22 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         left_out,
         warnings,
         tuple(shown),
+        magnitudes,
+    )
+
+
+def _without(recording: Recording, signals: Collection[str]) -> Recording:
+    """The recording without these signals; itself if it has none of them."""
+    kept = {name: values for name, values in recording.signals.items() if name not in signals}
+    return recording if len(kept) == len(recording.signals) else replace(recording, signals=kept)
+
+
+def _no_sign(guess: Guess) -> str:
+    """That a column is read as a magnitude, and what to do about it."""
+    return (
+        f"{guess.column}: never negative, so it looks like a magnitude without sign (`magnitude: true` in the map), "
+        "which serves to judge health and drives no twin; record the motor's current with its sign, or take the mark "
+        "away if a load that always pulls one way keeps it positive"
     )
 
 

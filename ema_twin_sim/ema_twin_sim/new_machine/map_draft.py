@@ -32,7 +32,7 @@ def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
         lines.append(f"time: {{column: {_quoted(guesses.time.column)}, unit: {unit}}}{doubt}")
     lines.append("signals:")
     lines += [_signal_line(guess, guesses.motion, shaft) for guess in guesses.signals]
-    if not guesses.drives:
+    if not guesses.drives and not any(guess.magnitude for guess in guesses.signals):
         without = (
             "so only the difference between the two encoders can be analysed"
             if guesses.both_encoders
@@ -58,6 +58,7 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
         return check_comment("; ".join(filter(None, (at, shaft.doubt if of_position else guess.shaft_doubt))))
 
     turned = ", factor: -1" if guess.turned_round else ""
+    magnitude = ", magnitude: true" if guess.magnitude else ""
     of_load = guess.signal == "load_torque"
     why = "the output turns against the motor" if guess.signal.startswith("output") else "it acts against the motion"
     if of_load:
@@ -72,10 +73,13 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
         )
     unit = guess.unit or signal_unit(guess.signal, motion)
     unsure = guess.doubt if guess.unit else _unit_doubt(guess.column)
-    doubt = look("; ".join(filter(None, (unsure, sign if of_load else "")))) or shown
+    size = "looks like a magnitude without sign: drives no twin" if guess.magnitude else ""
+    doubt = look("; ".join(filter(None, (unsure, sign if of_load else "", size)))) or shown
     if of_position and not doubt and not of_output and motion != "linear":
         doubt = "  # at the motor's shaft; add `shaft: output` if it is the output's"
-    return f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], unit: {unit}{turned}{of_output}}}{doubt}"
+    return (
+        f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], unit: {unit}{turned}{of_output}{magnitude}}}{doubt}"
+    )
 
 
 def _unit_doubt(column: str) -> str:

@@ -1,0 +1,105 @@
+"""A current that is a magnitude is told from one that a load keeps positive, whatever its column is called."""
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.load import load
+from ema_bench_replay.recording import KIND, Recording
+from ema_twin_sim.commands.init import run as init
+from ema_twin_sim.model import load_model
+from ema_twin_sim.new_machine.columns import guess_columns
+from ema_twin_sim.new_machine.unsigned_drive import unsigned_signals
+
+TIME = np.arange(4000) * 2e-3
+SPEEDS = {
+    "sines": 20.0 * np.sin(1.3 * TIME) + 5.0 * np.sin(4.0 * TIME),
+    "steps": 20.0 * np.tanh(5.0 * np.sin(0.8 * TIME)),
+}
+
+
+def current(speed, load_torque, dry, inertia=5e-3, viscous=0.01):
+    noise = 0.02 * np.random.default_rng(5).normal(size=len(TIME))
+    return load_torque + dry * np.tanh(2.0 * speed) + viscous * speed + inertia * np.gradient(speed, TIME) + noise
+
+
+def recorded(speed, drive, signal="current", motion="speed"):
+    noise = 0.05 * np.random.default_rng(6).normal(size=len(TIME))
+    way = np.cumsum(speed) * 2e-3
+    moves = {"speed": speed + noise} if motion == "speed" else {motion: way - way[0]}
+    return Recording("r", np.rint(TIME * 1e9).astype(np.int64), {**moves, signal: drive})
+
+
+@pytest.mark.parametrize("name", SPEEDS)
+@pytest.mark.parametrize("motion", ["speed", "motor_position"])
+@pytest.mark.parametrize(
+    ("load_torque", "dry", "inertia", "viscous"),
+    [(0.0, 0.2, 5e-3, 0.01), (0.0, 2.0, 5e-3, 0.01), (0.1, 0.2, 5e-3, 0.01), (0.0, 0.2, 0.0, 0.0)],
+)
+def test_a_magnitude_is_told(name, motion, load_torque, dry, inertia, viscous):
+    drive = current(SPEEDS[name], load_torque, dry, inertia, viscous)
+    assert unsigned_signals([recorded(SPEEDS[name], np.abs(drive), motion=motion)]) == {"current"}
+    assert not unsigned_signals([recorded(SPEEDS[name], drive, motion=motion)])
+
+
+def test_a_torque_may_be_one_too():
+    drive = np.abs(current(SPEEDS["sines"], 0.0, 0.5))
+    assert unsigned_signals([recorded(SPEEDS["sines"], drive, signal="motor_torque")]) == {"motor_torque"}
+
+
+@pytest.mark.parametrize("name", SPEEDS)
+@pytest.mark.parametrize("motion", ["speed", "motor_position"])
+@pytest.mark.parametrize("dry", [0.05, 0.2, 1.0, 2.0])
+def test_a_load_that_always_pulls_one_way_keeps_a_current_positive(name, motion, dry):
+    drive = current(SPEEDS[name], 3.0, dry)
+    assert drive.min() > 0.0
+    assert not unsigned_signals([recorded(SPEEDS[name], drive, motion=motion)])
+
+
+@pytest.mark.parametrize("dry", [0.0, 0.02, 1.0])
+def test_a_level_arm_keeps_a_current_positive(dry):
+    """Its load over the angle falls both ways, as a magnitude does towards each reversal."""
+    speed = 0.6 * np.cos(2.0 * TIME)
+    drive = 3.0 * np.cos(0.3 * np.sin(2.0 * TIME)) + dry * np.sign(speed)
+    assert not unsigned_signals([recorded(speed, drive, motion="motor_position")])
+
+
+def test_one_direction_does_not_tell():
+    speed = 20.0 + 5.0 * np.sin(1.3 * TIME)
+    assert not unsigned_signals([recorded(speed, np.abs(current(speed, 0.0, 0.5)))])
+
+
+def test_a_negative_value_in_another_recording_is_a_sign():
+    drive = current(SPEEDS["sines"], 0.0, 0.5)
+    both = [recorded(SPEEDS["sines"], np.abs(drive)), recorded(SPEEDS["sines"], drive)]
+    assert not unsigned_signals(both)
+
+
+def written(place, name, drive, speed=SPEEDS["sines"]):
+    rows = "\n".join(f"{t:.6g},{v:.6g},{i:.6g}" for t, v, i in zip(TIME, speed, drive, strict=True))
+    place.write_text(f"time [s],motor speed [rad/s],{name}\n{rows}\n")
+    return place
+
+
+@pytest.mark.parametrize("name", ["current [A]", "supply current [A]", "I_dc [A]", "bus current [A]"])
+def test_init_reads_it_as_a_magnitude_whatever_its_name(tmp_path, capsys, name):
+    trace = written(tmp_path / "trace.csv", name, np.abs(current(SPEEDS["sines"], 0.0, 0.5)))
+    init(str(tmp_path / "m"), [trace], torque_constant=0.05)
+    shown = capsys.readouterr()
+    told, warned = (" ".join(text.split()) for text in (shown.out, shown.err))
+    assert warned.count(f"{name}: never negative, so it looks like a magnitude without sign") == 1
+    assert "positive drives forwards" not in told and "ema-twin discover" not in told
+    assert f"{name} has no sign, so no twin can be driven: only the health can be judged" in told
+    assert "magnitude: true" in (tmp_path / "m_map.yaml").read_text()
+    assert load(trace, import_map=tmp_path / "m_map.yaml").metadata[f"current{KIND}"] == "magnitude"
+    load_model(tmp_path / "m.yaml")
+
+
+def test_a_supply_current_that_has_a_sign_is_not_the_motors(tmp_path):
+    init(str(tmp_path / "m"), [written(tmp_path / "t.csv", "supply current [A]", current(SPEEDS["sines"], 0.0, 0.5))])
+    assert "  current:" not in (tmp_path / "m_map.yaml").read_text()
+
+
+def test_a_motor_current_goes_before_that_of_the_supply():
+    numbers = {"t": TIME, "I_mot [A]": np.sin(TIME), "supply current [A]": np.ones_like(TIME)}
+    (guess,) = guess_columns(list(numbers), numbers=numbers).signals
+    assert guess.column == "I_mot [A]" and not guess.magnitude
