@@ -54,7 +54,7 @@ def judged_against_rivals(
             for rivalry in rivals
             if rivalry.behind <= -_needed(found, rivalry)
             and not _farther(found.fit, rivalry.fits[0])
-            and not (beside_unknown and _hardly_told_apart(rivalry.fits[0], found.fit))
+            and not (beside_unknown and _hardly_told_apart(rivalry.fits[0], found.fit, rivalry.effect))
         ]
         better = max(beaten, key=lambda rivalry: -rivalry.behind, default=None)
         if better is None:
@@ -109,7 +109,7 @@ def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Riv
         close = {
             effect
             for effect, rival, gained in zip(effects, fits, worth, strict=True)
-            if gained > -RIVAL_MARGIN or _hardly_told_apart(best, rival)
+            if gained > -RIVAL_MARGIN or _hardly_told_apart(best, rival, instance.effect)
         }
         runner_up, behind = (effects[0], -worth[0]) if fits else ("", float("inf"))
         group = tuple(sorted({instance.effect, *close}))
@@ -120,16 +120,19 @@ def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Riv
 def _simpler(best: Fit, rivalry: Rivalry) -> Fit | None:
     """The first rival that is hardly told from an effect and has fewer parameters; None if there is none."""
     for rival in rivalry.fits:
-        if len(rival.hypothesis.free) < len(best.hypothesis.free) and _hardly_told_apart(best, rival):
+        if len(rival.hypothesis.free) < len(best.hypothesis.free) and _hardly_told_apart(best, rival, rivalry.effect):
             return rival
     return None
 
 
-def _hardly_told_apart(best: Fit, rival: Fit) -> bool:
+def _hardly_told_apart(best: Fit, rival: Fit, effect: str) -> bool:
     """Whether a rival may explain less only by chance: smooth shapes are hardly told apart beside wandering friction.
 
-    Constants that it pulls from their file values are told apart by these, whatever the rows tell.
+    Constants that it pulls from their file values are told apart by these, whatever the rows tell. An ``effect`` that
+    every machine has, and this model lacks, is there.
     """
+    if is_lacked(best.hypothesis, effect) or is_lacked(rival.hypothesis, effect):
+        return False
     if not best.problem.size or abs(rival.prior_cost - best.prior_cost) > RIVAL_MARGIN:
         return False
     return told_apart(best, rival) < DECIDED
