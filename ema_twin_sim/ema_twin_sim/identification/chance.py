@@ -46,8 +46,9 @@ def told_apart(better: Fit, other: Fit) -> float:
     problem = better.problem
     wander = None if problem.weighting.wander is not None else wandering(problem, better)
     if wander is not None:
+        used = {*better.hypothesis.generic_bases, *other.hypothesis.generic_bases}
         beside = problem.under(replace(problem.weighting, wander=wander)).with_generic_bases(
-            {name: wander.whitened(columns) for name, columns in problem.generic_bases.items()}
+            {name: wander.whitened(problem.generic_bases[name]) for name in used}
         )
         better, other = (fit(beside, f.hypothesis) for f in (better, other))
     one, two = (f.residual[: problem.size] for f in (better, other))

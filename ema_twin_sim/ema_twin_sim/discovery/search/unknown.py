@@ -140,7 +140,7 @@ def _instead(found: Search, name: str) -> Search | None:
     turn = next((turn for turn in found.taken if name in turn.added), None)
     if turn is None:
         return None
-    as_much = max(trial.gain for trial in turn.tried if name in trial.names) - RIVAL_MARGIN
+    as_much = max((trial.gain for trial in turn.tried if name in trial.names), default=math.inf) - RIVAL_MARGIN
     equal = {effect for effect, _ in came_near(found.fit.hypothesis, name, turn, as_much)}
     for other in substitutes(found.fit, name, turn):
         came = new_names(found.fit, other)
