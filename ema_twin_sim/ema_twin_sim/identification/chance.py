@@ -15,27 +15,29 @@ from .fit import Fit, fit
 from .screening import span_of
 from .wandering import wandering
 
-DRAWS = 16  # of the noise; their mean is known to a tenth for a basis of a few columns
-
 
 def gain_on_alike_noise(problem: EquationErrorProblem, before: Fit, after: Fit, name: str) -> float:
     """Mean gain of a generic basis beside a fit ``before``, on noise with the spectrum of the residual ``after`` it.
 
     In units of the noise that is left. On white noise it is one for each column; where neighbouring rows are alike,
-    columns as smooth as these gain many times that. The noise is drawn with random phases (Theiler et al., Testing for
-    nonlinearity in time series: the method of surrogate data, Physica D 58, 1992).
+    columns as smooth as these gain many times that. The mean is over noise of random phases (Theiler et al., Testing
+    for nonlinearity in time series: the method of surrogate data, Physica D 58, 1992), recording by recording.
     """
     basis, divisor = span_of(before, problem.generic_bases[name])
-    rows = np.zeros((len(basis), DRAWS))
-    draws = np.random.default_rng(0)
+    gained = 0.0
     for part in problem.torque_parts:
         left = after.residual[part]
-        if len(left) > 1:
-            amplitudes = np.abs(np.fft.rfft(left))[:, None]
-            phases = np.exp(2j * np.pi * draws.random((len(amplitudes), DRAWS)))
-            rows[part] = np.fft.irfft(amplitudes * phases, len(left), axis=0)
-    rows[: len(divisor)] /= divisor[:, None]
-    return float(np.mean(np.sum((basis.T @ rows) ** 2, axis=0)))
+        if len(left) == 0:
+            continue
+        power, along = (
+            np.abs(np.fft.rfft(rows, axis=0)) ** 2 for rows in (left[:, None], basis[part] / divisor[part, None])
+        )
+        both_signs = np.full(len(power), 2.0)  # of a frequency; zero, and half the sample rate, have one
+        both_signs[0] = 1.0
+        if len(left) % 2 == 0:
+            both_signs[-1] = 1.0
+        gained += float(both_signs @ (power * along).sum(axis=1)) / len(left) ** 2
+    return gained
 
 
 def told_apart(better: Fit, other: Fit) -> float:
