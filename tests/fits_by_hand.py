@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 
 
 def an_open(stock):

@@ -38,7 +38,8 @@ METHOD = {
     "identification/generic_bases.py": (
         "KNOTS LEAST_KNOTS KNOT MOST_KNOTS LONGEST_WAVE SHORTEST_WAVE WAVES ORDERS BASIS_STEPS"
     ),
-    "identification/hypothesis.py": "EXACT LAG_LIMIT LAG_STEP",
+    "identification/hypothesis.py": "EXACT",
+    "identification/null_hypothesis.py": "LAG_LIMIT LAG_STEP",
     "identification/local_minima.py": "FINALISTS STIFFER DAMPED HEAVIER HOPS",
     "identification/screening.py": "STEP AT_ONCE",
     "identification/search_limits.py": "LATEST _POWERS",

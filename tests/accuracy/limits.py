@@ -24,7 +24,7 @@ from ema_twin_sim.effects import catalogue
 from ema_twin_sim.identification.cramer_rao import fisher_information
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import Fit, fit, prior_rows
-from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.uncertainty import scaled_inverse
 from ema_twin_sim.measured.observation import observe_all
 from ema_twin_sim.measured.scales import to_own_units

@@ -14,7 +14,7 @@ from ema_twin_sim.discovery.criteria.contradictions import contradictions
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe, observe_all
 from ema_twin_sim.measured.smoothing import gaussian, smooth
 from ema_twin_sim.measured.spoilt_samples import despiked

@@ -13,7 +13,7 @@ from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.identification.compliance import structural_fits
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe, observe_all
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench

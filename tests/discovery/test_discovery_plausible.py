@@ -15,7 +15,7 @@ from ema_twin_sim.effects import catalogue
 from ema_twin_sim.effects.effect import QUANTITIES
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe_all
 from tests.recorded import record
 

@@ -9,7 +9,7 @@ from ema_twin_sim.discovery.search.trace import Round, Search
 from ema_twin_sim.discovery.split import ClosedLoop
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe_all
 from ema_twin_sim.measured.scales import to_own_units
 

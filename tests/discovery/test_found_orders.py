@@ -10,7 +10,7 @@ from ema_twin_sim.discovery.search.found_orders import is_bend, resolved, writte
 from ema_twin_sim.identification.candidates import Candidate, candidates
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe_all
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.words.sentences import order_sentences

@@ -16,7 +16,7 @@ from ema_twin_sim.discovery.search.found_orders import resolved
 from ema_twin_sim.identification.candidates import Candidate, candidates
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.screening import screen
 from ema_twin_sim.identification.uncertainty import covariance
 from ema_twin_sim.measured.observation import observe_all

@@ -11,8 +11,9 @@ from ema_bench_replay.recording import Recording
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.identification.equation import EquationErrorProblem
-from ema_twin_sim.identification.hypothesis import INERTIAS, null_hypothesis
+from ema_twin_sim.identification.hypothesis import INERTIAS
 from ema_twin_sim.identification.local_minima import output_weights, starting
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe, observe_all
 from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.model import load_model

@@ -13,7 +13,7 @@ from ema_bench_replay.load import load
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.identification.candidates import candidates
-from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.simulation.assembly import assemble
 from ema_twin_sim.simulation.command import parse_command

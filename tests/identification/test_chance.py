@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ema_twin_sim.identification.chance import gain_on_alike_noise
+from ema_twin_sim.identification.chance import gain_on_correlated_noise
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from tests.few_rows import few_rows
 
 ROWS, COLUMNS = 2000, 8
@@ -33,7 +33,7 @@ def left(problem, residual):
 def test_on_white_noise_a_column_gains_one_unit(null):
     problem, f = null
     white = np.random.default_rng(2).standard_normal((40, ROWS)) * f.row_variance_inflations[0] ** 0.5
-    gained = [gain_on_alike_noise(problem, f, left(problem, noise), "time#0") for noise in white]
+    gained = [gain_on_correlated_noise(problem, f, left(problem, noise), "time#0") for noise in white]
     assert np.mean(gained) == pytest.approx(COLUMNS, rel=0.2)
 
 
@@ -41,10 +41,10 @@ def test_where_neighbouring_rows_are_alike_it_gains_many_times_that(null):
     problem, f = null
     slow = np.repeat(np.random.default_rng(3).standard_normal(ROWS // 100), 100)
     slow *= f.row_variance_inflations[0] ** 0.5 / slow.std()
-    assert gain_on_alike_noise(problem, f, left(problem, slow), "time#0") > 10.0 * COLUMNS
+    assert gain_on_correlated_noise(problem, f, left(problem, slow), "time#0") > 10.0 * COLUMNS
 
 
 def test_what_is_fast_gains_nothing(null):
     problem, f = null
     fast = np.sqrt(2.0) * np.cos(0.9 * np.pi * np.arange(ROWS))
-    assert gain_on_alike_noise(problem, f, left(problem, fast), "time#0") < 0.1 * COLUMNS
+    assert gain_on_correlated_noise(problem, f, left(problem, fast), "time#0") < 0.1 * COLUMNS

@@ -7,7 +7,7 @@ import pytest
 
 from ema_twin_sim.identification.cramer_rao import cramer_rao, fisher_information
 from ema_twin_sim.identification.equation import EquationErrorProblem
-from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from tests.few_rows import few_rows
 
 ROWS = 4000

@@ -5,8 +5,8 @@ import pytest
 
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.identification.jacobian import inner_step
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.simulation.assembly import longest_delay
 from tests.few_rows import few_rows
 

@@ -19,7 +19,7 @@ from ema_twin_sim.identification.comparable import DifferentWeightings, as_compa
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.generic_bases import beside_generic_bases
-from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.wander import Wander
 from ema_twin_sim.identification.weighting import FAR, Weighting
 from ema_twin_sim.model.model import EffectInstance

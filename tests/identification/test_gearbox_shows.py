@@ -4,7 +4,7 @@ import pytest
 
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.sensors import gearbox_shows
 from ema_twin_sim.measured.observation import observe_all
 from tests.recorded import record

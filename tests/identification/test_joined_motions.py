@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.identification.equation import EquationErrorProblem, torque_scale
-from ema_twin_sim.identification.hypothesis import DRY_SCALE, null_hypothesis
+from ema_twin_sim.identification.hypothesis import DRY_SCALE
 from ema_twin_sim.identification.joined_motions import JoinedMotions
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.smoothing import gaussian, smooth_at
 from ema_twin_sim.model import EffectInstance
 from ema_twin_sim.plant.measured_motion import MOTOR_ANGLE, REQUIRED, REQUIRED_TORQUE, SPEED, inverse_dynamics

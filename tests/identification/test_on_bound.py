@@ -11,7 +11,7 @@ from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.estimates import standard_errors
 from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.on_bound import TURNED, on_bounds, reached_bound
 from ema_twin_sim.measured.observation import observe
 from ema_twin_sim.simulation.command import parse_command

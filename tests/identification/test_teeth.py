@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.scales import INERTIAS
 from ema_twin_sim.model.model_file import ABSENT
 

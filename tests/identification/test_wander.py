@@ -13,7 +13,7 @@ from ema_twin_sim.discovery.search.trace import Search
 from ema_twin_sim.discovery.search.wandering_end import less_what_wandering_explains
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.uncertainty import covariance
 from ema_twin_sim.identification.wander import Wander
 from ema_twin_sim.identification.wandering import wandering

@@ -214,7 +214,7 @@ def bounds(
     from ..identification.equation import EquationErrorProblem
     from ..identification.estimates import constants, standard_errors
     from ..identification.fit import fit
-    from ..identification.hypothesis import null_hypothesis
+    from ..identification.null_hypothesis import null_hypothesis
     from ..measured.observation import observe_all
     from ..measured.scales import to_own_units
 

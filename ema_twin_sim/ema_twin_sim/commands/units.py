@@ -136,7 +136,7 @@ def run(
         _show_numbers(ahead[unit], most)
         _show_recordings(found[0], most)
     else:
-        say(fleet_words(found, ahead, health))
+        say(f"{number_of(len(found), 'unit')}: {fleet_words(found, ahead, health)}")
         _show(found, ahead, health, most)
     for one in found:
         if not all(look.history.as_asked for look in ahead[one.name]):

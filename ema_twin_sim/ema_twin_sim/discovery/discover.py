@@ -17,8 +17,9 @@ from ..effects import Trait, catalogue, effects_with
 from ..identification.equation import EquationErrorProblem
 from ..identification.estimates import constants, far_off, off_by_one_factor, parameters, standard_errors
 from ..identification.fit import Fit, fit
-from ..identification.hypothesis import Hypothesis, null_hypothesis
-from ..identification.on_bound import on_bounds, torque_turned
+from ..identification.hypothesis import Hypothesis
+from ..identification.null_hypothesis import null_hypothesis
+from ..identification.on_bound import on_bounds, torque_sign_reversed
 from ..measured.consistency import refuse_inconsistent
 from ..measured.folds import operating_point_folds
 from ..measured.noise import NoiseFloor, noise_of
@@ -199,7 +200,7 @@ def discover(
         idle, gearbox = idle_effects(found, unseen, needed) if (known and back) or model.is_open else ((), False)
     if known and model.is_open and _leaves_torque(unseen, rms_torque(rotary, began)):
         known, depends_on = False, ()  # what is left is too fast for the rows to tell on what it depends
-    turned = torque_turned(found.problem, found.fit)  # whatever fits then is no load of this machine
+    turned = torque_sign_reversed(found.problem, found.fit)  # then nothing that fits is a load of this machine
     known = known and not turned
     stands = unseen.betters and not turned
     if not known and found.fit.hypothesis.added and not stands and not model.is_open:

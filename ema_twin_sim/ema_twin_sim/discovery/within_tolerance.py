@@ -2,7 +2,7 @@
 
 The load sensor of a dynamometer tells how much torque an ampere gives, as surely as the current tells inertia and
 friction. These are free within their tolerances from the start. The torque constant enters a search as an effect, so
-that it competes with what acts through the current as well, and becomes a constant at the end.
+that it competes with what acts through the current as well, and becomes a constant once that search has ended.
 """
 
 from __future__ import annotations

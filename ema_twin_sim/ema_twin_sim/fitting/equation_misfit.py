@@ -11,8 +11,9 @@ import numpy as np
 
 from ..criteria import BESIDE_IMPACTS, DAMPING_ERROR, LAG_TOLERANCE, SIDES_ERROR
 from ..identification.equation import EquationErrorProblem
-from ..identification.hypothesis import LAG, LAG_LIMIT, LAG_STEP, Free, Hypothesis
+from ..identification.hypothesis import LAG, Free, Hypothesis
 from ..identification.jacobian import jacobian
+from ..identification.null_hypothesis import LAG_LIMIT, LAG_STEP
 from ..identification.weighting import Weighting
 from ..model import EffectInstance, Model
 from ..model.roles import DRY_FRICTION, PLAY, SPRING

@@ -17,7 +17,8 @@ from ..identification.compliance import DAMPING, STIFFNESS, WIDTHS, encoder_spre
 from ..identification.equation import EquationErrorProblem
 from ..identification.excerpt import excerpt
 from ..identification.fit import fit
-from ..identification.hypothesis import COMPLIANT_EFFECTS, null_hypothesis
+from ..identification.hypothesis import COMPLIANT_EFFECTS
+from ..identification.null_hypothesis import null_hypothesis
 from ..identification.screening import screen
 from ..identification.weighting import FAR, Weighting
 from ..model import Model

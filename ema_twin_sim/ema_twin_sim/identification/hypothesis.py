@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..criteria import ANY_SIZE, LAG_TOLERANCE, SEARCHED_BEYOND_STARTS, STIFFEST, TOLERANCE
+from ..criteria import SEARCHED_BEYOND_STARTS, STIFFEST, TOLERANCE
 from ..effects import Parameter, catalogue
 from ..measured.scales import INERTIAS
 from ..model import ConstantValue, EffectInstance, Model
 from ..model.model_file import ABSENT
-from ..model.roles import COMPLIANT_EFFECTS, DRY_FRICTION, FRICTION, PLAY, SPRING, TORQUE_FACTOR
+from ..model.roles import COMPLIANT_EFFECTS, DRY_FRICTION, PLAY, SPRING, TORQUE_FACTOR
 from ..plant.driven_output import RESOLVED
 from ..simulation.assembly import assemble
 from ..simulation.fidelity import own_step
@@ -24,8 +24,6 @@ LAG = "lag"
 EXACT = 1e-4  # relative: a tolerance of zero
 SIDED = ("scale.output_", "contact.")  # prefixes of paths that only show if the encoders differ
 SHARES = ("scale.inertia", "scale.output_inertia", DRY_SCALE, "scale.output_coulomb")
-LAG_LIMIT = 2.0 * LAG_TOLERANCE
-LAG_STEP = 1e-5  # own s
 
 
 @dataclass(frozen=True)
@@ -216,9 +214,9 @@ class Hypothesis:
             free.append(Free(f"effects.{name}.{p.name}", lower, upper, step))
             values.append(start)
         more = replace(self, added={**self.added, name: instance}, free=tuple(free), values=np.array(values))
-        return more._sides()
+        return more.with_sides()
 
-    def _sides(self) -> Hypothesis:
+    def with_sides(self) -> Hypothesis:
         """Add the parameters that only show with backlash or compliance; drop them for a rigid transmission."""
         held = self.held
         now = self.by_path
@@ -377,51 +375,4 @@ class Hypothesis:
             added={k: v for k, v in self.added.items() if k != name},
             free=tuple(self.free[k] for k in keep),
             values=self.values[keep],
-        )._sides()
-
-
-def null_hypothesis(model: Model, *, by_torque: bool = True) -> Hypothesis:
-    """The given model, its constants free within their tolerances and its open values entirely free.
-
-    Without torque data (``by_torque`` False) only open friction is free: it brings an output with backlash to rest.
-    """
-    if not by_torque:
-        rubbing = [instance for instance in model.active.values() if instance.effect == DRY_FRICTION]
-        friction = Free(DRY_SCALE, 1.0, 1.0, 1e-3, (1.0, EXACT))
-        if any(instance.open for instance in rubbing):
-            friction = Free(DRY_SCALE, *_possible_scales(model, DRY_FRICTION), 1e-3)
-        return Hypothesis(model, {}, (friction,), np.ones(1))._sides()
-    tolerance = max(model.constants[path].tolerance for path in INERTIAS if model.value(path) > 0.0)
-    free = [
-        Free("scale.inertia", 1.0 / ANY_SIZE, ANY_SIZE, 1e-3)
-        if math.isinf(tolerance)
-        else Free(
-            "scale.inertia", 1.0 / SEARCHED_BEYOND_STARTS, SEARCHED_BEYOND_STARTS, 1e-3, (1.0, max(tolerance, EXACT))
-        )
-    ]
-    for id in dict.fromkeys(instance.effect for instance in model.active.values()):
-        if any(instance.open for instance in model.active.values() if instance.effect == id):
-            free.append(Free(f"scale.{id}", *_possible_scales(model, id), 1e-3))
-            if catalogue()[id].wave_angle is not None:
-                free.append(Free(f"quarter.{id}", -ANY_SIZE, ANY_SIZE, 1e-3))
-        elif id in FRICTION:
-            free.append(Free(f"scale.{id}", 0.0, SEARCHED_BEYOND_STARTS, 1e-3, (1.0, TOLERANCE)))
-    if not model.is_open:  # with other open values, a lag would only stand in for them: no model has one
-        free.append(Free(LAG, -LAG_LIMIT, LAG_LIMIT, LAG_STEP, (0.0, LAG_TOLERANCE)))
-    values = [1.0 if one.path.startswith("scale.") else 0.0 for one in free]
-    return Hypothesis(model, {}, tuple(free), np.array(values))._sides()
-
-
-def _possible_scales(model: Model, id: str) -> tuple[float, float]:
-    """(lower, upper) factor on the sizes of an open effect; the sign of a wave is part of its phase."""
-    size = catalogue()[id].parameters[0]
-    lower, upper = -ANY_SIZE, ANY_SIZE
-    if catalogue()[id].wave_angle is None:
-        for instance in model.active.values():
-            value = instance.parameters[size.name] if instance.effect == id else 0.0
-            if value != 0.0:
-                ends = sorted((size.lower / value, size.upper / value))
-                lower, upper = max(lower, ends[0]), min(upper, ends[1])
-        if size.lower > 0.0:
-            lower = max(lower, 1.0 / ANY_SIZE)
-    return lower, upper
+        ).with_sides()

@@ -36,7 +36,7 @@ def on_bounds(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float]) 
 
     Before them one on the torque's sign, if the inertia and all friction of an unknown machine ended at their least.
     """
-    found = [TURNED] if torque_turned(problem, f, sure) else []
+    found = [TURNED] if torque_sign_reversed(problem, f, sure) else []
     for path, side in _ended(problem, f, sure).items():
         kind, _, rest = path.partition(".")
         if side is not None:
@@ -44,7 +44,7 @@ def on_bounds(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float]) 
     return tuple(found)
 
 
-def torque_turned(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float] | None = None) -> bool:
+def torque_sign_reversed(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float] | None = None) -> bool:
     """Whether the inertia and all friction of an unknown machine ended at their least, as for a torque of wrong sign.
 
     ``sure`` are the standard errors by path, if they are known already.

@@ -19,69 +19,26 @@ from ema_bench_replay.traces.import_map import TIME_UNITS
 from ema_bench_replay.units import units_of
 
 from ..criteria import SMALL
+from .column_words import (
+    ACCELERATION_UNIT,
+    ACTUAL,
+    DIRECT_OR_PHASE,
+    ENCODER,
+    FILTERED,
+    MOTOR,
+    MOTOR_ITSELF,
+    NO_SIGNAL,
+    OUTPUT,
+    POWER_UNIT,
+    SETPOINT,
+    SLIDES,
+    STEMS,
+    SUPPLY,
+    SYMBOLS,
+    TIME_WORDS,
+    TRANSDUCER,
+)
 from .joints import ONE_JOINT, Joint, Numbered, likeness, one_joint, travel
-
-_STEMS: dict[str, str] = {
-    "time": r"time|zeit|^temps?$|^tempo$|^tiempo",
-    "temperature": r"^temp",
-    "torque": r"torque|moment|force|kraft|^(set|ref|cmd|act|meas)?trq|^tau$|effort|^couple|^coppia|^par$|^forza$"
-    r"|^fuerza$",
-    "current": r"current|strom|^amps?$|^(set|ref|cmd|act|meas)?cur$|^courant|^corr?iente|^corrente",
-    "voltage": r"volt|spannung",
-    "speed": r"speed|veloc|drehzahl|geschwind|omega|^(set|ref|cmd|act|meas)?(vel|rpm|spd)$|^vitesse|^vit$|^regime$"
-    r"|^giri$",
-    "position": r"posi|^pos|pos$|angle|winkel|^lage(?!r)|lage$|lageist|lagesoll|encoder|geber|^enc$|^weg$|travel|twist"
-    r"|verdreh|^angol|^angul|^codeur|^recorrido$",
-    "power": r"power|leistung|^watts?$|^puissance$|^potenza$|^potencia$",
-}
-"""Parts of words that determine a quantity, in the order in which they are looked for."""
-
-_ENCODER = r"encoder|geber|^enc$|codeur"
-
-_SYMBOLS: dict[str, frozenset[str]] = {
-    "time": frozenset({"t"}),
-    "torque": frozenset({"m", "tq"}),
-    "current": frozenset({"i", "iq", "im", "iist", "iact", "imot"}),
-    "voltage": frozenset({"u", "uq"}),
-    "speed": frozenset({"w", "n", "v", "qd", "dq", "dphi", "dtheta", "dx", "phip", "qp", "qdot", "nist", "nact"}),
-    "position": frozenset({"q", "phi", "theta", "alpha", "beta", "gamma", "x", "s", "th"}),
-}
-"""Whole words that are symbols of a quantity."""
-
-_SETPOINT = (
-    r"setp|soll|command|demand|desire|target|refer|rifer|consign|vorgabe|fuehrung"
-    r"|^(set|ref|cmd)(vel|rpm|spd|speed|pos|cur|torque|trq)"
-    r"|^(set|ref|cmd|sp|des|star|goal|wanted|tgt)$"
-)
-_ACTUAL = r"^(ist|act|actual|meas|measured|fb|feedback|mesuree?|misurat[ao]|medid[ao]|reale?)$|istwert|^ist"
-_OUTPUT = (
-    r"output|abtrieb|^load|^last(?!_)|^link|^joint|^arm(?!a)|^slow$|second|^out$|^(l|o|2)$|brake|bremse|dyno"
-    r"|^sortie|^charge$|^uscita|^carico|^salida|^carga$"
-)
-_MOTOR = r"motor|rotor|antrieb|^moteur|^motore|^(mot|m|1|fast|primary|drive|input)$"
-_MOTOR_ITSELF = r"motor|rotor|antrieb|^moteur|^mot$"
-_NO_SIGNAL = (
-    r"error|fehler|deviat|abweich|limit|grenz|ripple|accel|^acc[xyz]?$|beschleun|vibration|status|^(mode|flags?|ddot|max|min|dc|udc|idc)$"
-    r"|zwischenkreis|^bus$|supply|^(id|isd)$|offset"
-)
-_SUPPLY = r"supply|^(dc|bus|battery|batt)$|zwischenkreis|versorg"
-"""Names of a drive's supply, whose current has not the sign of the motor's."""
-_TRANSDUCER = r"^sensor|transducer|^cell$|loadcell|messwelle|dehn|strain"
-"""Names of transducers that measure the torque behind a machine whose current is measured too."""
-_FILTERED = r"^filt|smooth|geglaett"
-"""A smoothed copy of a signal: taken only if the signal itself is missing."""
-_SLIDES = r"^pos|^x$|^s$|weg$|travel|stroke|hub$"
-"""Words for positions that may be lengths."""
-_TIME_WORDS = (
-    r"^(t|time|zeit|timestamp|zeitstempel|elapsed|mess|messzeit|laufzeit|uhrzeit|stamp|rel|abs|relative|since|start|unix"
-    r"|temps|tempo|tiempo)$"
-)
-_POWER_UNIT = r"[umk\u00b5]?W|k?VA|VAr"
-"""Units of power, which no signal has."""
-_ACCELERATION_UNIT = r"m?g|g_?n|G|k?(m|rad|deg|\u00b0)\s*/\s*s(\^?2|\u00b2)|(m|rad|deg)\s*s\^?-2"
-"""Units of acceleration, which no signal has either."""
-_DIRECT_OR_PHASE = frozenset({"d", "u", "v", "w", "a", "b", "c", "alpha", "beta"})
-"""Subscripts of currents and voltages that are not of the quadrature axis."""
 
 
 @dataclass(frozen=True)
@@ -221,7 +178,7 @@ def named_columns(named: Mapping[str, str]) -> Guesses:
                 f"init: {words.name!r}: its unit is not one of the {signal.replace('_', ' ')} of a {motion} machine; "
                 f"use one of {', '.join(units_of(signal, motion))}"
             )
-        signals.append(Guess(signal, words.name, unit, bool(_has(words.words, _OUTPUT))))
+        signals.append(Guess(signal, words.name, unit, bool(_has(words.words, OUTPUT))))
     return _timed(read.get("time"), tuple(signals), (), motion)
 
 
@@ -242,13 +199,13 @@ def _is_linear(names: Sequence[HeaderWords]) -> bool:
     A motor that turns decides for a rotary one.
     """
     sure = [read for read in names if not read.in_doubt and read.linear is not None]
-    if any(not read.linear and read.quantity != "torque" and _has(read.words, _MOTOR_ITSELF) for read in sure):
+    if any(not read.linear and read.quantity != "torque" and _has(read.words, MOTOR_ITSELF) for read in sure):
         return False
     for quantity in ("position", "speed", "torque"):
         if told := [read.linear for read in sure if read.quantity == quantity]:
             return any(told)
     doubted = [read for read in names if read.in_doubt and read.unit == "m"]
-    return len(doubted) == 1 and _has(doubted[0].words, _SLIDES)  # if there are several, m is a subscript for the motor
+    return len(doubted) == 1 and _has(doubted[0].words, SLIDES)  # if there are several, m is a subscript for the motor
 
 
 def _settled(read: HeaderWords, linear: bool) -> HeaderWords:
@@ -262,9 +219,9 @@ def _settled(read: HeaderWords, linear: bool) -> HeaderWords:
 def _word_quantity(words: Sequence[str]) -> str | None:
     """The quantity that the words give; a position with a dot is a speed."""
     found = next(
-        (quantity for quantity, pattern in _STEMS.items() if _has(words, pattern)),
+        (quantity for quantity, pattern in STEMS.items() if _has(words, pattern)),
         next(
-            (q for word in words for q, known in _SYMBOLS.items() if word in known and not _numbers(word, words)), None
+            (q for word in words for q, known in SYMBOLS.items() if word in known and not _numbers(word, words)), None
         ),
     )
     return "speed" if found == "position" and "dot" in words else found
@@ -274,7 +231,7 @@ def _numbers(letter: str, words: Sequence[str]) -> bool:
     """Whether a letter only numbers what the words name, as in ``m1foo``: of a motor, a sensor, an axis."""
     if len(letter) > 1 or len(words) < 3 or words[0] != letter or not words[1].isdigit():
         return False
-    known = f"{_SETPOINT}|{_ACTUAL}|{_OUTPUT}|{_MOTOR}|{_FILTERED}|^(dot|raw|\\d+)$"
+    known = f"{SETPOINT}|{ACTUAL}|{OUTPUT}|{MOTOR}|{FILTERED}|^(dot|raw|\\d+)$"
     return not all(re.search(known, word) for word in words[2:])
 
 
@@ -284,14 +241,14 @@ def contradicted_quantity(name: str) -> str:
     Not a contradiction: a torque in amperes, and a speed of an encoder. Symbols of one letter are not considered.
     """
     read = header_words(name)
-    said = {quantity for quantity, pattern in _STEMS.items() if _has(read.words, pattern)}
+    said = {quantity for quantity, pattern in STEMS.items() if _has(read.words, pattern)}
     if read.quantity is None or read.in_doubt or not said or read.quantity in said:
         return ""
     if read.quantity == "current" and "torque" in said:
         return ""
-    if read.quantity == "speed" and _has(read.words, _ENCODER + r"|dot"):
+    if read.quantity == "speed" and _has(read.words, ENCODER + r"|dot"):
         return ""
-    return next(quantity for quantity in _STEMS if quantity in said)
+    return next(quantity for quantity in STEMS if quantity in said)
 
 
 def _time_column(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> HeaderWords | None:
@@ -311,47 +268,43 @@ def _time_column(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]
 def _is_time(read: HeaderWords) -> bool:
     if read.quantity not in ("time", None) or read.foreign:
         return False
-    known = all(re.search(_TIME_WORDS, word) for word in read.words) and bool(read.words or read.quantity)
+    known = all(re.search(TIME_WORDS, word) for word in read.words) and bool(read.words or read.quantity)
     if read.quantity == "time":
         # the x axis of a plot is time if its unit is one of time
         return known or _word_quantity(read.words) == "time" or read.words == ("x",)
     if read.words == ("x", "value"):  # LabVIEW's name for the time of a measurement
         return True
-    return known or (_has(read.words, r"time|zeit|stamp") and not _has(read.words, _NO_SIGNAL))
+    return known or (_has(read.words, r"time|zeit|stamp") and not _has(read.words, NO_SIGNAL))
 
 
 def _column(read: HeaderWords) -> _Column | None:
     """What a column may be; None if it is no signal."""
-    if _has(read.words, _NO_SIGNAL) or "ddot" in read.words:
+    if _has(read.words, NO_SIGNAL) or "ddot" in read.words:
         return None
     by_words = _word_quantity(read.words)
     quantity = read.quantity or by_words
     if read.foreign and read.quantity is None and by_words is None:
         return None
-    no_signals = _POWER_UNIT if by_words == "torque" else f"{_POWER_UNIT}|{_ACCELERATION_UNIT}"  # a force may be in g
+    no_signals = POWER_UNIT if by_words == "torque" else f"{POWER_UNIT}|{ACCELERATION_UNIT}"  # a force may be in g
     if read.quantity is None and (re.fullmatch(no_signals, read.foreign) or read.words[-2:] == ("k", "w")):
         return None  # a letter beside it, as of an axis X or S, is no symbol of a position
     if quantity in (None, "time", "power"):
         return None
     words = read.words
-    axis = next((word for word in words[1:] if word in _DIRECT_OR_PHASE), None) if len(words) == 2 else None
+    axis = next((word for word in words[1:] if word in DIRECT_OR_PHASE), None) if len(words) == 2 else None
     if quantity in ("current", "voltage") and axis is not None:
         return None
     desired = quantity in ("position", "speed") and "d" in words[1:]
     shaft = (
-        "output"
-        if _has(words, _OUTPUT)
-        else "motor"
-        if _has(words[1:], _MOTOR) or _has(words[:1], "motor|rotor")
-        else ""
+        "output" if _has(words, OUTPUT) else "motor" if _has(words[1:], MOTOR) or _has(words[:1], "motor|rotor") else ""
     )
-    return _Column(read, quantity, desired or _has(words, _SETPOINT), _has(words, _ACTUAL), shaft)
+    return _Column(read, quantity, desired or _has(words, SETPOINT), _has(words, ACTUAL), shaft)
 
 
 def _supply_current(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> _Column | None:
     """The supply's current, if it is never negative: how large the motor's is, without its sign."""
     for read in names:
-        words = tuple(word for word in read.words if not re.search(_SUPPLY, word))
+        words = tuple(word for word in read.words if not re.search(SUPPLY, word))
         values = numbers.get(read.name)
         if len(words) == len(read.words) or values is None or not np.nanmin(values, initial=0.0) >= 0.0:
             continue
@@ -373,7 +326,7 @@ def _signals(columns: Sequence[_Column], numbers: Mapping[str, np.ndarray]) -> d
 
     def of(quantity: str, *, setpoint: bool = False) -> list[_Column]:
         found = [c for c in columns if c.quantity == quantity and c.setpoint == setpoint and c not in taken.values()]
-        return sorted(found, key=lambda c: (_has(c.read.words, _FILTERED), c.shaft == "output", not c.actual))
+        return sorted(found, key=lambda c: (_has(c.read.words, FILTERED), c.shaft == "output", not c.actual))
 
     def take(signal: str, found: Sequence[_Column]) -> None:
         if found:
@@ -394,10 +347,10 @@ def _signals(columns: Sequence[_Column], numbers: Mapping[str, np.ndarray]) -> d
     outputs = [c for c in positions if c.shaft == "output"]
     unsaid = [c for c in positions if c.shaft == ""]
     if numbers:
-        unsaid.sort(key=lambda c: (_has(c.read.words, _FILTERED), -travel(c.read, numbers)))
+        unsaid.sort(key=lambda c: (_has(c.read.words, FILTERED), -travel(c.read, numbers)))
     take("motor_position", [*(c for c in positions if c.shaft == "motor"), *unsaid])
     if (motor := taken.get("motor_position")) is not None:
-        beside = [c for c in unsaid if c is not motor and not _has(c.read.words, _FILTERED)]
+        beside = [c for c in unsaid if c is not motor and not _has(c.read.words, FILTERED)]
         outputs += [c for c in beside if _of_one_train(motor, c, numbers)]
     take("output_position", outputs)
     for signal, other in (("motor_position", "output_position"), ("motor_torque", "load_torque")):
@@ -430,7 +383,7 @@ def _of_one_train(one: _Column, other: _Column, numbers: Mapping[str, np.ndarray
 
 def _measured_behind(torque: _Column) -> bool:
     """Whether a torque's name says that a transducer measured it, which a drive does not have."""
-    return _has(torque.read.words, _TRANSDUCER)
+    return _has(torque.read.words, TRANSDUCER)
 
 
 def _quadrature(words: Sequence[str]) -> bool:

@@ -24,6 +24,7 @@ from ..words.units import (
     RESULT_HEAD,
     TEST_HEAD,
     change_of,
+    counts_words,
     fleet_words,
     health_words,
     life_words,
@@ -32,7 +33,6 @@ from ..words.units import (
     number_words,
     result_cells,
     test_cells,
-    unit_words,
 )
 from .history_chart import history_chart
 from .markup import Markup, items, joined, section, table, tag
@@ -98,9 +98,7 @@ def _overview(
     found = table(head, rows, words=(0, 3, 4, 6, 7))
     box = tag("p", tag("label", "Show units with ", Markup('<input type="search" aria-label="filter">')))
     title = number_of(len(units), "unit")
-    body = joined(
-        [tag("h1", title), tag("p", fleet_words(units, ahead, health).partition(": ")[2], class_="lead"), box, found]
-    )
+    body = joined([tag("h1", title), tag("p", fleet_words(units, ahead, health), class_="lead"), box, found])
     return whole_page(title, body, script=_FILTER)
 
 
@@ -114,7 +112,7 @@ def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> st
         section(
             "acquisition",
             "Acquisition",
-            tag("p", unit_words(unit, (), None)[0]),
+            tag("p", counts_words(unit)),
             items(*remarks) if remarks else tag("p", "All results can be compared with each other."),
         ),
         section("state", "State", tag("p", _state(unit)), *_tests(health)),

@@ -21,6 +21,7 @@ LEFT, RIGHT, TOP, BOTTOM = 21.0, 156.0, 18.0, 71.0
 """The frame's edges, unless it is made narrower."""
 _LETTER, _AROUND = 2.0, 4.0  # units, width of a letter and of the space around a word in a view of 640 by 310 pixels
 _KEY_LETTER, _KEY_ROOM = 2.5, 5.0  # units, a letter and the room around a word in a view of 400 pixels: no overlaps
+_KEY_ROW, _KEY_ROWS = 10.0, (8.0, 13.4)  # places of the legend between a sheet's title and its frame: one row, or two
 _ABOVE = 2.4  # units that rerun puts words below their point
 _TICKS = 6  # approximate number of ticks
 
@@ -155,13 +156,20 @@ class Sheet:
         self.write(x - 0.5 * (_LETTER * len(text) + _AROUND), y, text, colour)
 
     def key(self, entries: Sequence[tuple[str, Colour]]) -> None:
-        """Legend of the colours, in a row above the frame that ends at its right edge."""
-        wide = [_KEY_LETTER * len(text) + _KEY_ROOM for text, _ in entries]
-        share = min(1.0, (self._right - self._left) / max(sum(wide), 1.0))
-        x = self._right
-        for (text, colour), width in zip(reversed(entries), reversed(wide), strict=True):
-            self.write(x - 0.5 * share * width, 10.0, text, colour)
-            x -= share * width
+        """Legend of the colours, above the frame and up to its right edge, in two rows if one is too narrow."""
+        room = self._right - self._left
+        rows: list[list[tuple[str, Colour]]] = [[]]
+        for entry in entries:
+            if rows[-1] and sum(map(_key_width, [*rows[-1], entry])) > room and len(rows) < len(_KEY_ROWS):
+                rows.append([])
+            rows[-1].append(entry)
+        for y, row in zip(_KEY_ROWS if len(rows) > 1 else (_KEY_ROW,), rows, strict=True):
+            share = min(1.0, room / max(sum(map(_key_width, row)), 1.0))
+            x = self._right
+            for text, colour in reversed(row):
+                width = share * _key_width((text, colour))
+                self.write(x - 0.5 * width, y, text, colour)
+                x -= width
 
     def done(self) -> None:
         """Write all words."""
@@ -172,6 +180,10 @@ class Sheet:
 
     def _log(self, name: str, content: rr.AsComponents) -> None:
         self._stream.log(f"{self._at}/{rr.escape_entity_path_part(name)}", content, static=True)
+
+
+def _key_width(entry: tuple[str, Colour]) -> float:
+    return _KEY_LETTER * len(entry[0]) + _KEY_ROOM
 
 
 def _pieces(points: np.ndarray, length: float = 1.2) -> list[np.ndarray]:

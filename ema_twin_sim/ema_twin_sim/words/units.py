@@ -93,7 +93,7 @@ def health_words(health: UnitHealth | None) -> str:
 def fleet_words(
     units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], health: Mapping[str, UnitHealth | None]
 ) -> str:
-    """What was found over all units, in sentences; what was not looked for is left out."""
+    """What was found over all units, in words after their number; what was not looked for is left out."""
     told = []
     if any(unit.searched for unit in units):
         lacking = Counter(effect for unit in units for effect, _ in unit.missing)
@@ -109,12 +109,17 @@ def fleet_words(
     refused = sum(unit.refused + unit.failed for unit in units)
     left = f"; {number_of(refused, 'input')} could not be judged" if refused else ""
     found = ", ".join(told) or "the errors of their model were computed, nothing else was looked for"
-    return f"{number_of(len(units), 'unit')}: {found}. {results}{left}."
+    return f"{found}. {results}{left}."
+
+
+def counts_words(unit: Unit) -> str:
+    """How many recordings of a unit were judged, refused, or failed."""
+    return f"{number_of(unit.judged, 'result')}, {unit.refused} refused, {unit.failed} failed."
 
 
 def unit_words(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> list[str]:
     """What was found of one unit, a sentence each; what was not looked for is left out."""
-    told = [f"{number_of(unit.judged, 'result')}, {unit.refused} refused, {unit.failed} failed."]
+    told = [counts_words(unit)]
     if unit.searched:
         told.append(f"Missing in its model: {missing_words(unit)}.")
     if health is not None and health.tests:

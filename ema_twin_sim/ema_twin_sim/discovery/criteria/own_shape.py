@@ -18,7 +18,7 @@ import numpy as np
 
 from ...criteria import APART, DEPENDS, INTERPOLATED, MISFIT_DOUBTED, MISFIT_LEFT, MOSTLY, NEARLY_ALL, TOO_MUCH
 from ...effects import catalogue
-from ...identification.chance import gain_on_alike_noise
+from ...identification.chance import gain_on_correlated_noise
 from ...identification.comparable import by_chance, refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
@@ -120,7 +120,7 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
         return True
     any_shape = fit_with_basis(beside, bare, best)
     scale = f.variance_inflations[0]
-    chance = max(gain_on_alike_noise(beside, bare, any_shape, best), by_chance(1 if over == "order" else 0))
+    chance = max(gain_on_correlated_noise(beside, bare, any_shape, best), by_chance(1 if over == "order" else 0))
     gained = _gained(bare, f, scale)
     # it exists on every machine, even if its law fits poorly while it warms up or wanders
     share = MOSTLY if is_lacked(f.hypothesis, effect.id) else NEARLY_ALL

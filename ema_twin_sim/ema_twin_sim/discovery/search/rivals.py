@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from ...criteria import CLEARLY_MORE, DECIDED, RIVAL_MARGIN, SMALL
 from ...effects import Trait, catalogue, effects_with
 from ...identification.candidates import candidates
-from ...identification.chance import told_apart
 from ...identification.comparable import as_compares, cheapest
 from ...identification.compliance import structural_fits
 from ...identification.fit import Fit, fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.local_minima import DAMPED, hopped, starting
 from ...identification.screening import screen
+from ...identification.separation import separation
 from ...identification.unseen_encoders import parting_where_unseen
 from ...model.roles import PLAY
 from ..criteria.worth import ENCODER_ONLY, is_lacked, largest_rms_reduction, penalised_gain
@@ -45,32 +45,35 @@ def judged_against_rivals(
     """Replace every effect that a rival beats; return the search and the rivals that are still close.
 
     Effects in ``without`` are no rivals. ``beside_unknown``: what is left unexplained decides between shapes that are
-    nearly equal, so the simplest of them stands.
+    nearly equal, so one with fewer parameters stands.
     """
     rivals = rivalries(found, without)
     for _ in range(SWAPS):
-        beaten = [
-            rivalry
-            for rivalry in rivals
-            if rivalry.behind <= -_needed(found, rivalry)
-            and not _farther(found.fit, rivalry.fits[0])
-            and not (beside_unknown and _hardly_told_apart(rivalry.fits[0], found.fit, rivalry.effect))
-        ]
-        better = max(beaten, key=lambda rivalry: -rivalry.behind, default=None)
-        if better is None:
-            simpler = (_simpler(found.fit, rivalry) for rivalry in rivals) if beside_unknown else ()
-            fewer = next((rival for rival in simpler if rival is not None), None)
-            if fewer is None:
-                break
-            found = swapped(found, fewer, SIMPLER)
-            rivals = rivalries(found, without)
-            continue
-        other = swapped(found, better.fits[0])
-        if penalised_gain(found.fit, other.fit) <= 0.0:
-            break  # the rival did not stay either
-        found = with_displaced(found, other)
-        rivals = rivalries(found, without)
+        other = _with_a_rival(found, rivals, beside_unknown=beside_unknown)
+        if other is None:
+            break
+        found, rivals = other, rivalries(other, without)
     return found, rivals
+
+
+def _with_a_rival(found: Search, rivals: Iterable[Rivalry], *, beside_unknown: bool) -> Search | None:
+    """The search with the best of the rivals that beat an effect in its place, else with a simpler one; None if none.
+
+    None as well if the best one does not stay either.
+    """
+    beaten = [
+        rivalry
+        for rivalry in rivals
+        if rivalry.behind <= -_needed(found, rivalry)
+        and not _farther(found.fit, rivalry.fits[0])
+        and not (beside_unknown and _hardly_differ(rivalry.fits[0], found.fit, rivalry.effect))
+    ]
+    if better := max(beaten, key=lambda rivalry: -rivalry.behind, default=None):
+        other = swapped(found, better.fits[0])
+        return with_displaced(found, other) if penalised_gain(found.fit, other.fit) > 0.0 else None
+    simpler = (_simpler(found.fit, rivalry) for rivalry in rivals) if beside_unknown else ()
+    fewer = next((rival for rival in simpler if rival is not None), None)
+    return None if fewer is None else swapped(found, fewer, SIMPLER)
 
 
 def _needed(found: Search, rivalry: Rivalry) -> float:
@@ -109,7 +112,7 @@ def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Riv
         close = {
             effect
             for effect, rival, gained in zip(effects, fits, worth, strict=True)
-            if gained > -RIVAL_MARGIN or _hardly_told_apart(best, rival, instance.effect)
+            if gained > -RIVAL_MARGIN or _hardly_differ(best, rival, instance.effect)
         }
         runner_up, behind = (effects[0], -worth[0]) if fits else ("", float("inf"))
         group = tuple(sorted({instance.effect, *close}))
@@ -118,24 +121,24 @@ def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Riv
 
 
 def _simpler(best: Fit, rivalry: Rivalry) -> Fit | None:
-    """The first rival that is hardly told from an effect and has fewer parameters; None if there is none."""
+    """The best rival that hardly differs from an effect and has fewer parameters; None if there is none."""
     for rival in rivalry.fits:
-        if len(rival.hypothesis.free) < len(best.hypothesis.free) and _hardly_told_apart(best, rival, rivalry.effect):
+        if len(rival.hypothesis.free) < len(best.hypothesis.free) and _hardly_differ(best, rival, rivalry.effect):
             return rival
     return None
 
 
-def _hardly_told_apart(best: Fit, rival: Fit, effect: str) -> bool:
-    """Whether a rival may explain less only by chance: smooth shapes are hardly told apart beside wandering friction.
+def _hardly_differ(best: Fit, rival: Fit, effect: str) -> bool:
+    """Whether a rival may explain less of the torque only by chance, since friction that wanders is smooth as well.
 
-    Constants that it pulls from their file values are told apart by these, whatever the rows tell. An ``effect`` that
-    every machine has, and this model lacks, is there.
+    Not if it pulls constants from their file values, whatever the rows tell, and not if the ``effect`` is one that
+    every machine has and this model lacks: that one is there.
     """
     if is_lacked(best.hypothesis, effect) or is_lacked(rival.hypothesis, effect):
         return False
     if not best.problem.size or abs(rival.prior_cost - best.prior_cost) > RIVAL_MARGIN:
         return False
-    return told_apart(best, rival) < DECIDED
+    return separation(best, rival) < DECIDED
 
 
 def substitutes(best: Fit, name: str, turn: Round) -> list[Fit]:

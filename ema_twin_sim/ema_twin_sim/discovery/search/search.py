@@ -109,9 +109,7 @@ def _beside_encoders(asked: _Asked, current: Fit, rounds: list[Round], may_wande
     may_wander = may_wander and current.problem.weighting.wander is None and not _many(current)
     current = fit(beside_impacts(current.problem.with_encoders()), current.hypothesis)
     if parted_encoders(current):
-        asked.progress("trying play and compliance")
-        current, by_gearbox = add_structure(current, asked.without)
-        rounds = [*rounds, *by_gearbox]
+        current, rounds = _with_structure(asked, current, rounds, "trying play and compliance")
     if current.parted:
         return _beside_gearbox(asked, current, rounds, may_wander)
     before = current
@@ -120,12 +118,16 @@ def _beside_encoders(asked: _Asked, current: Fit, rounds: list[Round], may_wande
         return _beside_encoders(asked, current, rounds, False)
     if _sensors(current) > _sensors(before) and parted_encoders(current):
         # what a gearbox leaves of the difference may be smaller than an encoder's error, which is known now
-        asked.progress("trying play and compliance beside the encoders' errors")
-        current, by_gearbox = add_structure(current, asked.without)
-        rounds = [*rounds, *by_gearbox]
-        if current.parted:
-            return _beside_gearbox(asked, current, rounds, may_wander)
-    return current, rounds
+        said = "trying play and compliance beside the encoders' errors"
+        current, rounds = _with_structure(asked, current, rounds, said)
+    return _beside_gearbox(asked, current, rounds, may_wander) if current.parted else (current, rounds)
+
+
+def _with_structure(asked: _Asked, current: Fit, rounds: list[Round], said: str) -> tuple[Fit, list[Round]]:
+    """Add backlash, compliance or an encoder's error, whatever explains the encoders best; ``said`` is the progress."""
+    asked.progress(said)
+    current, turns = add_structure(current, asked.without)
+    return current, [*rounds, *turns]
 
 
 def _sensors(f: Fit) -> frozenset[str]:

@@ -1,0 +1,68 @@
+"""The words and units by which columns of a trace are known: of a quantity, a shaft, a setpoint, or of no signal.
+
+Regular expressions look for parts of a word unless they are bound to its ends.
+"""
+
+from __future__ import annotations
+
+STEMS: dict[str, str] = {
+    "time": r"time|zeit|^temps?$|^tempo$|^tiempo",
+    "temperature": r"^temp",
+    "torque": r"torque|moment|force|kraft|^(set|ref|cmd|act|meas)?trq|^tau$|effort|^couple|^coppia|^par$|^forza$"
+    r"|^fuerza$",
+    "current": r"current|strom|^amps?$|^(set|ref|cmd|act|meas)?cur$|^courant|^corr?iente|^corrente",
+    "voltage": r"volt|spannung",
+    "speed": r"speed|veloc|drehzahl|geschwind|omega|^(set|ref|cmd|act|meas)?(vel|rpm|spd)$|^vitesse|^vit$|^regime$"
+    r"|^giri$",
+    "position": r"posi|^pos|pos$|angle|winkel|^lage(?!r)|lage$|lageist|lagesoll|encoder|geber|^enc$|^weg$|travel|twist"
+    r"|verdreh|^angol|^angul|^codeur|^recorrido$",
+    "power": r"power|leistung|^watts?$|^puissance$|^potenza$|^potencia$",
+}
+"""Parts of words that determine a quantity, in the order in which they are looked for."""
+
+ENCODER = r"encoder|geber|^enc$|codeur"
+
+SYMBOLS: dict[str, frozenset[str]] = {
+    "time": frozenset({"t"}),
+    "torque": frozenset({"m", "tq"}),
+    "current": frozenset({"i", "iq", "im", "iist", "iact", "imot"}),
+    "voltage": frozenset({"u", "uq"}),
+    "speed": frozenset({"w", "n", "v", "qd", "dq", "dphi", "dtheta", "dx", "phip", "qp", "qdot", "nist", "nact"}),
+    "position": frozenset({"q", "phi", "theta", "alpha", "beta", "gamma", "x", "s", "th"}),
+}
+"""Whole words that are symbols of a quantity."""
+
+SETPOINT = (
+    r"setp|soll|command|demand|desire|target|refer|rifer|consign|vorgabe|fuehrung"
+    r"|^(set|ref|cmd)(vel|rpm|spd|speed|pos|cur|torque|trq)"
+    r"|^(set|ref|cmd|sp|des|star|goal|wanted|tgt)$"
+)
+ACTUAL = r"^(ist|act|actual|meas|measured|fb|feedback|mesuree?|misurat[ao]|medid[ao]|reale?)$|istwert|^ist"
+OUTPUT = (
+    r"output|abtrieb|^load|^last(?!_)|^link|^joint|^arm(?!a)|^slow$|second|^out$|^(l|o|2)$|brake|bremse|dyno"
+    r"|^sortie|^charge$|^uscita|^carico|^salida|^carga$"
+)
+MOTOR = r"motor|rotor|antrieb|^moteur|^motore|^(mot|m|1|fast|primary|drive|input)$"
+MOTOR_ITSELF = r"motor|rotor|antrieb|^moteur|^mot$"
+NO_SIGNAL = (
+    r"error|fehler|deviat|abweich|limit|grenz|ripple|accel|^acc[xyz]?$|beschleun|vibration|status|^(mode|flags?|ddot|max|min|dc|udc|idc)$"
+    r"|zwischenkreis|^bus$|supply|^(id|isd)$|offset"
+)
+SUPPLY = r"supply|^(dc|bus|battery|batt)$|zwischenkreis|versorg"
+"""Names of a drive's supply, whose current has not the sign of the motor's."""
+TRANSDUCER = r"^sensor|transducer|^cell$|loadcell|messwelle|dehn|strain"
+"""Names of transducers that measure the torque behind a machine whose current is measured too."""
+FILTERED = r"^filt|smooth|geglaett"
+"""A smoothed copy of a signal: taken only if the signal itself is missing."""
+SLIDES = r"^pos|^x$|^s$|weg$|travel|stroke|hub$"
+"""Words for positions that may be lengths."""
+TIME_WORDS = (
+    r"^(t|time|zeit|timestamp|zeitstempel|elapsed|mess|messzeit|laufzeit|uhrzeit|stamp|rel|abs|relative|since|start|unix"
+    r"|temps|tempo|tiempo)$"
+)
+POWER_UNIT = r"[umk\u00b5]?W|k?VA|VAr"
+"""Units of power, which no signal has."""
+ACCELERATION_UNIT = r"m?g|g_?n|G|k?(m|rad|deg|\u00b0)\s*/\s*s(\^?2|\u00b2)|(m|rad|deg)\s*s\^?-2"
+"""Units of acceleration, which no signal has either."""
+DIRECT_OR_PHASE = frozenset({"d", "u", "v", "w", "a", "b", "c", "alpha", "beta"})
+"""Subscripts of currents and voltages that are not of the quadrature axis."""
