@@ -1,9 +1,12 @@
 """A measured load tells the torque constant: within its tolerance it is a refitted constant, beyond it an effect."""
 
+from dataclasses import replace
+
 import pytest
 
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.within_tolerance import with_factor_in_the_constant
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.model import load_model, save_model
 from tests.discovery.test_measured_load import braked, without_load
 
@@ -43,6 +46,18 @@ def test_beyond_it_an_effect_is_missing(stock):
 @pytest.mark.slow
 def test_without_the_sensor_nothing_tells_it(stock):
     assert discover([without_load(run) for run in of_a_motor(stock, 0.97)], stock).added != ("torque_constant_error",)
+
+
+def test_a_disabled_factor_of_the_model_stays_as_it_is(stock):
+    """The constant that is fitted is another instance's."""
+    scaled = stock.with_effect("torque_constant_error", {"scale": 0.8})
+    (own,) = scaled.effects.keys() - stock.effects.keys()
+    asleep = replace(scaled, effects={**scaled.effects, own: replace(scaled.effects[own], enabled=False)})
+    h = null_hypothesis(asleep).with_effect("torque_constant_error", {}, {"scale": 0.97})
+    (added,) = h.added
+    model = h.with_factor_as_constant(added, 0.05).put({"scale.torque_constant_error": 0.96}).model()
+    assert model.effects[own] == asleep.effects[own]
+    assert model.effects[added].parameters["scale"] == 0.96
 
 
 def test_a_factor_of_the_given_model_or_added_by_a_search_stays_an_effect(stock):

@@ -1,50 +1,62 @@
 """What a basis gains by chance: one unit a column on white noise, many times that where neighbouring rows are alike."""
 
-from types import SimpleNamespace
+import dataclasses
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from ema_twin_sim.identification.chance import gain_on_correlated_noise
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
+from ema_twin_sim.identification.generic_bases import fit_with_basis
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from tests.few_rows import few_rows
 
-ROWS, COLUMNS = 2000, 8
+ROWS, COLUMNS, NOISE = 2000, 8, 0.01
+at = np.linspace(0.0, COLUMNS - 1.0, ROWS)
+HATS = np.stack([np.interp(at, np.arange(COLUMNS), row) for row in np.eye(COLUMNS)], 1)
+PLACES = np.random.default_rng(7).permutation(ROWS)
 
 
-@pytest.fixture(scope="module")
-def null(stock):
-    """A fit to rows of white noise, and hats over the time as a basis."""
-    noise = 0.01 * np.random.default_rng(1).standard_normal(ROWS)
-    problem = EquationErrorProblem([few_rows(noise)])
-    at = np.linspace(0.0, COLUMNS - 1.0, ROWS)
-    hats = np.stack([np.interp(at, np.arange(COLUMNS), row) for row in np.eye(COLUMNS)], 1)
-    problem = problem.with_generic_bases({"time#0": hats})
-    return problem, fit(problem, null_hypothesis(stock), 0)
+def told_and_gained(stock, noise, columns, kernel=(0.0, 1.0, 0.0)):
+    """What the hats are said to gain by chance on a noise (m,) of one unit, and what they gain."""
+    h = null_hypothesis(stock)
+    rows = dataclasses.replace(few_rows(np.zeros(ROWS), NOISE), kernel=np.array(kernel))
+    torque = NOISE * (EquationErrorProblem([rows]).predict(h).rows[:ROWS] + noise)
+    problem = EquationErrorProblem([dataclasses.replace(rows, torque=torque)])
+    problem = problem.with_generic_bases({"time#0": columns})
+    before = fit(problem, h)
+    after = fit_with_basis(problem, before, "time#0")
+    return gain_on_correlated_noise(problem, before, after, "time#0"), before.misfits[0] - after.misfits[0]
 
 
-def left(problem, residual):
-    """A fit that leaves a residual (m,) of torque, in units of noise."""
-    return SimpleNamespace(residual=np.concatenate([residual, np.zeros(problem.rows - problem.size)]))
+def alike(seed, likeness):
+    """Noise (m,) of one unit, each value ``likeness`` times the one before and a new one."""
+    noise = lfilter([np.sqrt(1.0 - likeness**2)], [1.0, -likeness], np.random.default_rng(seed).standard_normal(ROWS))
+    return noise / noise.std()
 
 
-def test_on_white_noise_a_column_gains_one_unit(null):
-    problem, f = null
-    white = np.random.default_rng(2).standard_normal((40, ROWS)) * f.row_variance_inflations[0] ** 0.5
-    gained = [gain_on_correlated_noise(problem, f, left(problem, noise), "time#0") for noise in white]
-    assert np.mean(gained) == pytest.approx(COLUMNS, rel=0.2)
+@pytest.mark.parametrize(("likeness", "least", "most"), [(0.0, 0.7, 1.3), (0.5, 2.0, 4.0), (0.9, 12.0, 25.0)])
+def test_it_is_what_the_basis_gains_the_more_the_more_rows_are_alike(likeness, least, most, stock):
+    """Though the fit with the basis has taken the basis's own share out of what is left."""
+    each = np.array([told_and_gained(stock, alike(seed, likeness), HATS) for seed in range(20)])
+    told, gained = each.mean(axis=0)
+    assert least * COLUMNS < told < most * COLUMNS
+    assert told == pytest.approx(gained, rel=0.35)
 
 
-def test_where_neighbouring_rows_are_alike_it_gains_many_times_that(null):
-    problem, f = null
-    slow = np.repeat(np.random.default_rng(3).standard_normal(ROWS // 100), 100)
-    slow *= f.row_variance_inflations[0] ** 0.5 / slow.std()
-    assert gain_on_correlated_noise(problem, f, left(problem, slow), "time#0") > 10.0 * COLUMNS
-
-
-def test_what_is_fast_gains_nothing(null):
-    problem, f = null
+def test_what_is_fast_gains_nothing(stock):
     fast = np.sqrt(2.0) * np.cos(0.9 * np.pi * np.arange(ROWS))
-    assert gain_on_correlated_noise(problem, f, left(problem, fast), "time#0") < 0.1 * COLUMNS
+    assert told_and_gained(stock, fast, HATS)[0] < 0.1 * COLUMNS
+
+
+def test_operating_points_have_no_neighbours(stock):
+    """Whatever their order in the table."""
+    noise = alike(1, 0.9)
+    points, motion = (
+        [told_and_gained(stock, noise[places], HATS[places], kernel)[0] for places in (np.arange(ROWS), PLACES)]
+        for kernel in ((1.0,), (0.0, 1.0, 0.0))
+    )
+    assert points[0] == pytest.approx(points[1], rel=0.3)
+    assert motion[0] > 3.0 * motion[1]

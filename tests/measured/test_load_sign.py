@@ -84,3 +84,11 @@ def test_points_of_a_screw_that_only_lowers_tell_nothing():
 def test_a_load_that_does_not_change_is_none_to_tell_by(load):
     assert not load_varies(held(np.ones(9), load))
     assert load_varies(held(np.ones(9), np.arange(9.0)))
+
+
+@pytest.mark.parametrize(("swing", "varies"), [(0.0, False), (0.3, True)])
+def test_noise_of_a_sensor_is_no_load_that_changes(swing, varies):
+    time = 0.001 * np.arange(5000)
+    load = 2.0 + swing * np.sin(6.0 * time) + 0.1 * np.random.default_rng(4).standard_normal(len(time))
+    moved = Recording("moved", (1e9 * time).astype(np.int64), {"current": np.ones(len(time)), "load_torque": load})
+    assert load_varies(moved) is varies

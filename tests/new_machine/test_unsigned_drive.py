@@ -1,5 +1,7 @@
 """A current that is a magnitude is told from one that a load keeps positive, whatever its column is called."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -66,6 +68,16 @@ def test_a_level_arm_keeps_a_current_positive(dry):
 def test_one_direction_does_not_tell():
     speed = 20.0 + 5.0 * np.sin(1.3 * TIME)
     assert not unsigned_signals([recorded(speed, np.abs(current(speed, 0.0, 0.5)))])
+
+
+def test_a_machine_at_rest_does_not_tell():
+    drive = np.full(len(TIME), 0.5)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        still = Recording("r", np.rint(TIME * 1e9).astype(np.int64), {"speed": np.zeros(len(TIME)), "current": drive})
+        assert not unsigned_signals([still])
+        drive[::7] = 0.0
+        assert not unsigned_signals([still])
 
 
 def test_a_negative_value_in_another_recording_is_a_sign():

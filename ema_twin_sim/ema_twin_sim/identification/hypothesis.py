@@ -162,7 +162,7 @@ class Hypothesis:
         effect = DRY_FRICTION if what == "output_coulomb" else what
         sided = {"output_coulomb": ("output",), DRY_FRICTION: ("motor",) if parted else ("motor", "output")}
         size = catalogue()[effect].parameters[0].name
-        for name, instance in self.base.effects.items():
+        for name, instance in self.base.active.items():
             if instance.effect == effect and instance.options.get("side") in sided.get(what, ("motor", "output", None)):
                 parameters = {**instance.parameters, size: instance.parameters[size] * factor}
                 effects[name] = instance.at(parameters)
@@ -176,7 +176,7 @@ class Hypothesis:
         effect = catalogue()[id]
         size, angle = effect.parameters[0], effect.wave_angle
         assert angle is not None  # only waves have a ``quarter`` parameter
-        for name, instance in self.base.effects.items():
+        for name, instance in self.base.active.items():
             if instance.effect == id:
                 turned = instance.parameters[angle.name] + math.atan2(ahead, along)
                 parameters = {

@@ -1,4 +1,4 @@
-"""Separation: how surely the torque tells two fits apart, with friction that wanders as part of the noise.
+"""Separation: how surely the rows tell two fits apart, with wandering friction as part of the torque's noise.
 
 To the likelihood of white noise, the smallest difference of two smooth curves is certain.
 """
@@ -9,7 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..criteria import CORRELATION
+from ..criteria import RIVAL_MARGIN
+from .comparable import refuse_different_weightings
 from .fit import Fit, fit
 from .wandering import wandering
 
@@ -17,8 +18,8 @@ from .wandering import wandering
 def separation(better: Fit, other: Fit) -> float:
     """Standard deviations between two fits by their torque rows, with what wanders as part of the noise.
 
-    That is how far the ``better`` one's lead exceeds what noise gives it if the other is right. The encoders and the
-    constants' priors are left out.
+    That is how far the ``better`` one's lead exceeds what noise gives it if the other is right. The constants' priors
+    are left out, and so are the encoders, in which friction does not wander.
     """
     problem = better.problem
     wander = None if problem.weighting.wander is not None else wandering(problem, better)
@@ -31,5 +32,12 @@ def separation(better: Fit, other: Fit) -> float:
     one, two = (f.residual[: problem.size] for f in (better, other))
     away = two - one
     lost = float(two @ two - one @ one)
-    noise = np.sqrt(CORRELATION * np.mean(one**2))
+    noise = np.sqrt(problem.correlation * np.mean(one**2))
     return (lost + float(away @ away)) / max(2.0 * float(np.linalg.norm(away)) * noise, 1e-300)
+
+
+def encoders_tell_apart(one: Fit, other: Fit) -> bool:
+    """Whether two fits differ by more than a close rival may in how they explain the encoder difference."""
+    refuse_different_weightings(one, other)
+    inflation = min(one.variance_inflations[1], other.variance_inflations[1])
+    return bool(abs(one.misfits[1] - other.misfits[1]) > RIVAL_MARGIN * inflation)

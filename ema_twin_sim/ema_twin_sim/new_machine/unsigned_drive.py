@@ -51,10 +51,11 @@ def _looks_unsigned(recording: Recording, signal: str) -> bool:
         return False
     known &= np.abs(speed) > SMALL * np.quantile(np.abs(speed[known]), NEARLY_ALL)
     speed, acceleration, values = speed[known], acceleration[known], values[known]
-    usual, forward = float(np.median(values)), speed > 0.0
-    if not np.nanquantile(recording.signals[signal], 1.0 - ALL_BUT_SPIKES) < PART * usual:
-        return False
+    forward = speed > 0.0
     if min(forward.sum(), (~forward).sum()) < max(FEWEST, SMALL * len(speed)):
+        return False
+    usual = float(np.median(values))
+    if not np.nanquantile(recording.signals[signal], 1.0 - ALL_BUT_SPIKES) < PART * usual:
         return False
     if all(np.mean(values[way] <= NEGLIGIBLE * usual) > NEGLIGIBLE for way in (forward, ~forward)):
         return True

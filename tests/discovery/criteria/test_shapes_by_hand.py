@@ -70,7 +70,8 @@ class TestOwnShape:
         monkeypatch.setattr(own_shape, "order_bases", lambda *_: {"order#torque1": np.ones((ROWS, columns))})
         monkeypatch.setattr(own_shape, "screen_generic_bases", lambda *_: [(9.0, name) for name in given])
         monkeypatch.setattr(own_shape, "fit_with_basis", lambda problem, known, name: with_basis[known is f])
-        monkeypatch.setattr(own_shape, "gain_on_correlated_noise", lambda *_: chance)
+        by_noise = SCALE * (2.0 * columns + chance)
+        monkeypatch.setattr(own_shape, "gain_on_correlated_noise", lambda *_: by_noise)
         self.given = given
         return by_own_shape(problem, f) == (name,)
 

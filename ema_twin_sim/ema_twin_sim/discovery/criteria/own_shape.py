@@ -120,7 +120,10 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
         return True
     any_shape = fit_with_basis(beside, bare, best)
     scale = f.variance_inflations[0]
-    chance = max(gain_on_correlated_noise(beside, bare, any_shape, best), by_chance(1 if over == "order" else 0))
+    columns = len(any_shape.hypothesis.free) - len(bare.hypothesis.free)
+    by_noise = gain_on_correlated_noise(beside, bare, any_shape, best) / scale
+    # beyond what ``_gained`` takes off for the numbers; the order itself is one more
+    chance = max(by_noise - by_chance(columns), by_chance(1 if over == "order" else 0))
     gained = _gained(bare, f, scale)
     # it exists on every machine, even if its law fits poorly while it warms up or wanders
     share = MOSTLY if is_lacked(f.hypothesis, effect.id) else NEARLY_ALL

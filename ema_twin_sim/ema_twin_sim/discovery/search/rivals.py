@@ -14,7 +14,7 @@ from ...identification.fit import Fit, fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.local_minima import DAMPED, hopped, starting
 from ...identification.screening import screen
-from ...identification.separation import separation
+from ...identification.separation import encoders_tell_apart, separation
 from ...identification.unseen_encoders import parting_where_unseen
 from ...model.roles import PLAY
 from ..criteria.worth import ENCODER_ONLY, is_lacked, largest_rms_reduction, penalised_gain
@@ -59,7 +59,7 @@ def judged_against_rivals(
 def _with_a_rival(found: Search, rivals: Iterable[Rivalry], *, beside_unknown: bool) -> Search | None:
     """The search with the best of the rivals that beat an effect in its place, else with a simpler one; None if none.
 
-    None as well if the best one does not stay either.
+    None as well if it does not stay.
     """
     beaten = [
         rivalry
@@ -71,9 +71,12 @@ def _with_a_rival(found: Search, rivals: Iterable[Rivalry], *, beside_unknown: b
     if better := max(beaten, key=lambda rivalry: -rivalry.behind, default=None):
         other = swapped(found, better.fits[0])
         return with_displaced(found, other) if penalised_gain(found.fit, other.fit) > 0.0 else None
-    simpler = (_simpler(found.fit, rivalry) for rivalry in rivals) if beside_unknown else ()
-    fewer = next((rival for rival in simpler if rival is not None), None)
-    return None if fewer is None else swapped(found, fewer, SIMPLER)
+    for rivalry in rivals if beside_unknown else ():
+        for rival in _simpler(found.fit, rivalry):
+            other = swapped(found, rival, SIMPLER)
+            if {*new_names(found.fit, rival)} <= {*other.fit.hypothesis.added}:
+                return other
+    return None
 
 
 def _needed(found: Search, rivalry: Rivalry) -> float:
@@ -120,25 +123,24 @@ def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Riv
     return tuple(judged)
 
 
-def _simpler(best: Fit, rivalry: Rivalry) -> Fit | None:
-    """The best rival that hardly differs from an effect and has fewer parameters; None if there is none."""
+def _simpler(best: Fit, rivalry: Rivalry) -> Iterator[Fit]:
+    """The rivals that hardly differ from an effect and have fewer parameters, best first."""
     for rival in rivalry.fits:
         if len(rival.hypothesis.free) < len(best.hypothesis.free) and _hardly_differ(best, rival, rivalry.effect):
-            return rival
-    return None
+            yield rival
 
 
 def _hardly_differ(best: Fit, rival: Fit, effect: str) -> bool:
     """Whether a rival may explain less of the torque only by chance, since friction that wanders is smooth as well.
 
-    Not if it pulls constants from their file values, whatever the rows tell, and not if the ``effect`` is one that
-    every machine has and this model lacks: that one is there.
+    Not if it pulls constants from their file values or parts the encoders otherwise, whatever the torque tells, and not
+    if the ``effect`` is one that every machine has and this model lacks: that one is there.
     """
     if is_lacked(best.hypothesis, effect) or is_lacked(rival.hypothesis, effect):
         return False
     if not best.problem.size or abs(rival.prior_cost - best.prior_cost) > RIVAL_MARGIN:
         return False
-    return separation(best, rival) < DECIDED
+    return not encoders_tell_apart(best, rival) and separation(best, rival) < DECIDED
 
 
 def substitutes(best: Fit, name: str, turn: Round) -> list[Fit]:

@@ -125,9 +125,13 @@ def doubted(found: Search) -> Search:
     What had been removed for their sake is tried again, and doubted in turn. What was close to a doubtful effect in its
     round is tried first in its place.
     """
+    stood = [{*found.fit.hypothesis.effects}]
     while names := _doubtful(found):
-        other = next((other for name in names if (other := _instead(found, name)) is not None), None)
+        swaps = (other for name in names if (other := _instead(found, name)) is not None)
+        # two that are nearly equal may each look surer where the other stands
+        other = next((other for other in swaps if {*other.fit.hypothesis.effects} not in stood), None)
         found = with_what_made_room(less(found, names, LIKENESS)) if other is None else other
+        stood.append({*found.fit.hypothesis.effects})
     return found
 
 
@@ -157,7 +161,6 @@ def _doubtful(found: Search) -> list[str]:
     problem = beside_generic_bases(found.problem, found.fit)
     added = found.fit.hypothesis.added
     over = {name: catalogue()[instance.effect].depends_on for name, instance in added.items()}
-    strange = strained(found.fit)
     lags = apart(problem, found.fit, found.rounds[0].before)
     own = set(by_own_shape(problem, found.fit))
     # An output that lags affects inertia and friction, as it does in a search by torque alone.
@@ -173,18 +176,13 @@ def _doubtful(found: Search) -> list[str]:
         drawn = {n for n in drawn if not explains_the_torque(beside, n)}
     stands = own - set(only_constants(problem, found.fit))
     stands -= set(likenesses(problem, found.fit))
-    if strange and stands == {*added}:  # another doubtful effect may have pulled the constants
-        by_constants = {name for name in added if over[name] in BY_CONSTANTS}
-        usual = {name for name in by_constants if is_lacked(found.fit.hypothesis, added[name].effect)}
-        suspects = by_constants - usual or by_constants  # usual effects are judged once the others are gone
-        bare = {name: fit(problem, found.fit.hypothesis.without(name)) for name in suspects}
-        # what pulls constants that are off without an effect as well is no reason to doubt it
-        stands -= {name for name in suspects if not {*strange} <= {*strained(bare[name])}}
     by_encoders = {name for name in added if over[name] == "encoders"} if lags else set()
     stands -= {name for name in by_encoders if not _explains(problem, found.fit, name)}
     stands -= {name for name in stands if is_play(found.fit, name) and only_teeth(problem, found.fit, name)}
     if not found.fit.parted and _gearbox_explains_more(found):
         stands -= {name for name in stands if catalogue()[added[name].effect].delays}
+    if stands == {*added}:  # otherwise a doubtful effect may have pulled the constants
+        stands -= _straining(found, over)
     doubtful = [name for name in added if name not in stands]
     if {added[name].effect for name in doubtful}.isdisjoint(COMPLIANT_EFFECTS):
         return [name for name in added if name in doubtful or name in drawn]
@@ -192,6 +190,21 @@ def _doubtful(found: Search) -> list[str]:
     # Effects that it drew in are judged after its removal, and so is a late encoder, which shared the difference with
     # it.
     return [name for name in doubtful if not catalogue()[added[name].effect].delays]
+
+
+def _straining(found: Search, over: Mapping[str, str]) -> set[str]:
+    """The added effects that pull constants from the file's values; ``over`` tells what each depends on.
+
+    What pulls constants that are off without an effect as well is no reason to doubt it.
+    """
+    strange = {*strained(found.fit)}
+    if not strange:
+        return set()
+    h = found.fit.hypothesis
+    by_constants = {name for name in h.added if over[name] in BY_CONSTANTS}
+    usual = {name for name in by_constants if is_lacked(h, h.added[name].effect)}
+    suspects = by_constants - usual or by_constants  # usual effects are judged once the others are gone
+    return {name for name in suspects if not strange <= {*strained(fit(found.problem, h.without(name)))}}
 
 
 def _explains(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
