@@ -57,7 +57,7 @@ METHOD = {
     "fitting/equation_misfit.py": "LAG_NUMBER",
     "fitting/fit.py": "MUCH",
     "fitting/free_parameters.py": "WEAK_ANGLE STEP STRUCTURAL_STEP SPAN OFF_BOUND",
-    "fitting/simulation_misfit.py": "LINGER LEAP LEAPS COARSE MOST_ROWS FINE UNMEASURED",
+    "fitting/simulation_misfit.py": "LINGER LEAP LEAPS MOST_ROWS FINE UNMEASURED",
     "fitting/solver.py": "ITERATIONS TRIES ENOUGH FINAL ROUGH STEEPEST PASSES",
     "fitting/starts.py": "FINALISTS STEPS TRIED",
     "fitting/uncertainty.py": "RIDGE",

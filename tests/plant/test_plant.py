@@ -209,7 +209,7 @@ def test_the_default_step_is_converged(stock, effects, command):
         return running.rmse
 
     chosen = errors(25e-6)
-    for step in (6.25e-6, 12.5e-6, 125e-6 / 3):
+    for step in (6.25e-6, 12.5e-6, 125e-6 / 3, 50e-6):
         for name, rmse in errors(step).items():
             assert rmse == pytest.approx(chosen[name], rel=0.01), (name, step)
 

@@ -22,6 +22,7 @@ from ..model.matching import by_torque
 from ..model.own_units import in_si, shown
 from ..parallel import simulations
 from ..plant.measured_motion import SPEED, TIME
+from ..simulation.longest_step import coarse_step
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
 from .search.trace import Search
 
@@ -178,7 +179,7 @@ def squares(
     be simulated with these numbers.
     """
     try:
-        twin = simulate(model, recording, source)
+        twin = simulate(model, recording, source, step=coarse_step(model))
     except InputError:
         return np.full(2 * len(signals) + (0 if moving is None else 2), np.nan)
     residuals = []

@@ -25,7 +25,7 @@ from ..model import Model
 from ..model.roles import BRISTLE
 from ..parallel import simulations
 from ..plant.measured_motion import SPEED, TIME
-from ..simulation.fidelity import DEFAULT_STEP, is_fine
+from ..simulation.longest_step import coarse_step
 from ..simulation.sensor_noise import counter_noise, noise_floors
 from ..simulation.simulate_many import simulate_many
 from .free_parameters import FreeParameters
@@ -33,7 +33,6 @@ from .free_parameters import FreeParameters
 LINGER = 0.06  # own s around standstill in which rows do not count
 LEAP = 5.0  # finite-difference steps over which jumps are looked for
 LEAPS = 3  # number of times that they are looked for
-COARSE = 2.0  # times the usual step of a lumped model, where only differences matter
 MOST_ROWS = 600_000  # rows beyond which samples are skipped
 FINE = 1e12  # counts per turn: counter steps would hide the effect of a small change
 UNMEASURED = 1e-4  # of a signal's size: its noise if the model gives zero
@@ -87,7 +86,7 @@ class SimulationMisfit:
         self._trust = np.concatenate([part.trust for part in self._parts])
         self._predicted: tuple[np.ndarray, np.ndarray] | None = None
         self._changed: tuple[np.ndarray, list[np.ndarray]] | None = None
-        self._coarse = None if is_fine(freedom.model) else COARSE * DEFAULT_STEP
+        self._coarse = coarse_step(freedom.model)
         self._runs([freedom.start], 0, None)  # compiles an effect here, rather than in several threads at once
 
     def check(self, values: np.ndarray) -> None:

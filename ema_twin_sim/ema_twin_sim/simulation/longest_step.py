@@ -9,9 +9,11 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 
 from ..model import Model
-from .assembly import Assembly
-from .fidelity import FineParts
+from .assembly import Assembly, assemble
+from .fidelity import CYCLE_SHARE, DEFAULT_STEP, FineParts, is_fine
 
+COARSE = 2.0
+"""Times the default step, where only differences matter: no current RMSE of ``bench_cases`` changes by 1 %."""
 Limit = tuple[float, str, str]
 """Step [s], what is too fast for a longer one, what to change."""
 
@@ -33,6 +35,20 @@ def refuse_long_step(model: Model, assembly: Assembly, step: float) -> None:
             f"model {model.name}: {what} at a step of {step:g} s; "
             f"take {_rounded_down(longest):g} s at most, or {remedy}"
         )
+
+
+def coarse_step(model: Model) -> float | None:
+    """Step [s] for simulations of which only differences matter; None: the default, as the model needs it.
+
+    In a control cycle shorter than usual there are as many steps.
+    """
+    if is_fine(model):
+        return None
+    step = COARSE * DEFAULT_STEP
+    if model.units is not None:  # such steps are told as shares of the cycle, and shortened where necessary
+        return step
+    step = min(step, COARSE * CYCLE_SHARE * model.value("drive.control_cycle"))
+    return step if DEFAULT_STEP < step <= longest_step(assemble(model))[0] else None
 
 
 def _rounded_down(step: float) -> float:
