@@ -27,7 +27,7 @@ METHOD = {
     "measured/switching_ripple.py": "_FINER",
     "measured/twist.py": "SMOOTHED FEWEST AT_ENDS",
     "measured/way_by_speed.py": "WINDOW FEWEST",
-    "identification/chance.py": "FREQUENCIES",
+    "identification/chance.py": "NEIGHBOURS EXPLAINED",
     "identification/compliance.py": (
         "STIFFNESS DAMPING WIDTHS ABOUT HOLDING SIDES CONTACTS OUTPUT_SHARE SOFTER HARDLY HOPELESS RIVAL SPRINGY"
     ),

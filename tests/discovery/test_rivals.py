@@ -1,11 +1,13 @@
 """Rivals: an effect that made another too uncertain beside it may be the wrong one of the two."""
 
+import math
+
 import pytest
 
 from ema_twin_sim.criteria import DECIDED
 from ema_twin_sim.discovery.search.adding import settle, trial_of
 from ema_twin_sim.discovery.search.removing import less
-from ema_twin_sim.discovery.search.rivals import judged_against_rivals, swapped
+from ema_twin_sim.discovery.search.rivals import came_near, judged_against_rivals, swapped
 from ema_twin_sim.discovery.search.trace import SIMPLER, UNCERTAIN, Round, Search
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
@@ -72,6 +74,16 @@ def test_a_shape_that_is_surely_told_from_a_simpler_one_stands(stock):
     found = searched(swinging(stock, GRAVITY, 1.2), stock, GRAVITY, SPRING)
     end, (rivalry,) = judged_against_rivals(found, beside_unknown=True)
     assert [*end.fit.hypothesis.added] == ["gravity_load"] and rivalry.group == ("gravity_load",)
+
+
+def test_a_torque_constant_that_is_refitted_is_no_rival(stock):
+    """It is one of the model's own then, and there is but one."""
+    found = searched(record(stock, ("triangle:0.06:2",)), stock, SPRING, ("torque_constant_error", {"scale": 1.02}))
+    h = found.fit.hypothesis.with_effect("torque_constant_error", {}, {"scale": 1.01})
+    best = h.with_factor_as_constant("torque_constant_error", 0.05)
+    (turn,) = found.rounds
+    assert [*came_near(found.fit.hypothesis, SPRING[0], turn, -math.inf)]
+    assert not [*came_near(best, SPRING[0], turn, -math.inf)]
 
 
 @pytest.mark.parametrize(("amplitude", "surely"), [(0.1, False), (1.2, True)])

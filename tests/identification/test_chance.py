@@ -22,7 +22,7 @@ PLACES = np.random.default_rng(7).permutation(ROWS)
 def told_and_gained(stock, noise, columns, kernel=(0.0, 1.0, 0.0)):
     """What the hats are said to gain by chance on a noise (m,) of one unit, and what they gain."""
     h = null_hypothesis(stock)
-    rows = dataclasses.replace(few_rows(np.zeros(ROWS), NOISE), kernel=np.array(kernel))
+    rows = few_rows(np.zeros(ROWS), NOISE, kernel=kernel)
     torque = NOISE * (EquationErrorProblem([rows]).predict(h).rows[:ROWS] + noise)
     problem = EquationErrorProblem([dataclasses.replace(rows, torque=torque)])
     problem = problem.with_generic_bases({"time#0": columns})
@@ -46,9 +46,25 @@ def test_it_is_what_the_basis_gains_the_more_the_more_rows_are_alike(likeness, l
     assert told == pytest.approx(gained, rel=0.35)
 
 
+def test_where_it_rises_towards_the_slowest_it_is_a_lower_bound(stock):
+    """What the basis took there, nothing tells."""
+    each = np.array([told_and_gained(stock, alike(seed, 0.99), HATS) for seed in range(20)])
+    told, gained = each.mean(axis=0)
+    assert 12.0 * COLUMNS < told < gained
+
+
 def test_what_is_fast_gains_nothing(stock):
     fast = np.sqrt(2.0) * np.cos(0.9 * np.pi * np.arange(ROWS))
     assert told_and_gained(stock, fast, HATS)[0] < 0.1 * COLUMNS
+
+
+@pytest.mark.parametrize("periods", [6, 8, 12, 16, 20])
+def test_what_goes_to_and_fro_is_no_noise_of_slower_rows(periods, stock):
+    """An unknown cause in a motion that repeats leaves a line: neighbouring frequencies are not as strong."""
+    line = np.sqrt(2.0) * np.sin(2.0 * np.pi * periods * np.arange(ROWS) / ROWS)
+    noise = 0.1 * np.random.default_rng(3).standard_normal(ROWS)
+    told, gained = told_and_gained(stock, line + noise, HATS)
+    assert told < 2.0 * gained + COLUMNS
 
 
 def test_operating_points_have_no_neighbours(stock):

@@ -86,9 +86,17 @@ def test_a_load_that_does_not_change_is_none_to_tell_by(load):
     assert load_varies(held(np.ones(9), np.arange(9.0)))
 
 
-@pytest.mark.parametrize(("swing", "varies"), [(0.0, False), (0.3, True)])
-def test_noise_of_a_sensor_is_no_load_that_changes(swing, varies):
-    time = 0.001 * np.arange(5000)
-    load = 2.0 + swing * np.sin(6.0 * time) + 0.1 * np.random.default_rng(4).standard_normal(len(time))
+@pytest.mark.parametrize("seconds", [5.0, 600.0])
+@pytest.mark.parametrize("zero", [0.0, 40.0])
+@pytest.mark.parametrize(("swing", "varies"), [(0.0, False), (1.0, True)])
+def test_noise_of_a_sensor_is_no_load_that_changes(swing, varies, zero, seconds):
+    """However long the recording is, and wherever the sensor has its zero."""
+    time = np.arange(0.0, seconds, 1e-3)
+    load = zero + swing * np.sin(6.0 * time) + 0.1 * np.random.default_rng(4).standard_normal(len(time))
     moved = Recording("moved", (1e9 * time).astype(np.int64), {"current": np.ones(len(time)), "load_torque": load})
     assert load_varies(moved) is varies
+
+
+def test_a_few_samples_of_motion_tell_no_noise():
+    load = np.array([1.0, 2.0, 1.5])
+    assert not load_varies(Recording("short", np.arange(3) * 10**6, {"current": load, "load_torque": load}))

@@ -40,7 +40,14 @@ def test_a_power_is_no_position(name):
 
 @pytest.mark.parametrize(
     ("name", "signal"),
-    [("power current", "current"), ("w", "speed"), ("motor_w", "speed"), ("power stage temperature", "temperature")],
+    [
+        ("power current", "current"),
+        ("w", "speed"),
+        ("motor_w", "speed"),
+        ("power stage temperature", "temperature"),
+        ("motor_temp", "temperature"),
+        ("temp", "temperature"),
+    ],
 )
 def test_what_is_named_with_a_power_may_be_a_signal(name, signal):
     signals = {guess.column: guess.signal for guess in guess_columns(["time [s]", name]).signals}

@@ -47,6 +47,15 @@ def test_counts_since_the_last_sample_are_told_as_such(name, every):
     assert "counts since the last sample" in not_summed([recorded(SPEEDS[name], counts)])
 
 
+@pytest.mark.parametrize("missing", [0, 1000])
+def test_a_missing_sample_does_not_hide_that(missing):
+    steps = np.diff(way(SPEEDS["both ways"]), prepend=0.0)
+    steps[missing] = np.nan
+    stamps = np.rint(TIME * 1e9).astype(np.int64)
+    recording = Recording("r", stamps, {"speed": SPEEDS["both ways"] + 0.1 * NOISE, "motor_position": steps})
+    assert "counts since the last sample" in not_summed([recording])
+
+
 def test_a_position_that_stands_still_is_no_sum():
     assert not_summed([recorded(SPEEDS["one way"], np.full(len(TIME), 1234.0) + np.round(NOISE))]) == ""
 

@@ -32,9 +32,8 @@ class Candidate:
 def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Candidate]:
     """The effects that may be added to a hypothesis."""
     found = []
-    without = without | no_more_of(h)
     for id, effect in catalogue().items():
-        if id in without or not effect.searched or (not effect.repeatable and id in h.held):
+        if id in without or not effect.searched or not addable(h, id):
             continue
         if effect.electrical and h.base.pole_pairs is None:
             continue
@@ -61,10 +60,12 @@ def _of_another_gearbox(h: Hypothesis, options: Mapping[str, str]) -> bool:
     return h.base.other_orders and not order.is_integer() and not named
 
 
-def no_more_of(h: Hypothesis) -> frozenset[str]:
-    """Effects of which a hypothesis already has as many as a plant can take."""
+def addable(h: Hypothesis, id: str) -> bool:
+    """Whether a plant can take one more instance of an effect than a hypothesis has."""
     held = [instance.effect for instance in (*h.base.active.values(), *h.added.values())]
-    return frozenset({SENSOR_WAVE} if held.count(SENSOR_WAVE) >= ANGLE_ERRORS else ())
+    if id == SENSOR_WAVE and held.count(id) >= ANGLE_ERRORS:
+        return False
+    return catalogue()[id].repeatable or id not in held
 
 
 def starts(effect: Effect, of: Reached) -> Iterator[dict[str, float]]:

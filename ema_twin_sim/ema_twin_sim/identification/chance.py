@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from .equation import EquationErrorProblem
 from .fit import Fit
 from .screening import span_of
 
-FREQUENCIES = 8.0
-"""Frequencies whose mean is the power at one: a third of it in error, which a basis of many columns averages out."""
+NEIGHBOURS = 16
+"""Frequencies whose median replaces the power at one that a basis explains: its standard error is then a third."""
+EXPLAINED = 0.5
+"""Share of a frequency from which on too little is left of it to tell its power."""
 
 
 def gain_on_correlated_noise(problem: EquationErrorProblem, before: Fit, after: Fit, name: str) -> float:
@@ -17,49 +21,48 @@ def gain_on_correlated_noise(problem: EquationErrorProblem, before: Fit, after: 
 
     On white noise of one unit it is one for each column; where neighbouring rows are alike, columns as smooth as these
     gain many times that. The mean is over noise of random phases with the residual's spectrum (Theiler et al., Testing
-    for nonlinearity in time series: the method of surrogate data, Physica D 58, 1992), recording by recording. What the
-    basis itself took out of that spectrum is filled in from neighbouring frequencies. Operating points have no
-    neighbours: their noise is white.
+    for nonlinearity in time series: the method of surrogate data, Physica D 58, 1992), recording by recording. At
+    frequencies that the basis explains, the power is that of their neighbours: a lower bound where it rises towards
+    them, as towards the slowest frequencies of friction that wanders. Operating points have no neighbours: their noise
+    is white.
     """
     basis, _ = span_of(before, problem.generic_bases[name])
     gained = 0.0
     for o, part in zip(problem.observations, problem.torque_parts, strict=True):
-        left, columns = after.residual[part], basis[part]
-        if len(left) == 0:
+        residual, columns = after.residual[part], basis[part]
+        rows = len(residual)
+        if rows == 0:
             continue
         if o.of_points:
-            share = float(np.sum(columns**2)) / len(left)
-            gained += float(left @ left) / max(1.0 - share, 1.0 / len(left)) * share
+            share = float(np.sum(columns**2)) / rows
+            gained += float(residual @ residual) / max(1.0 - share, 1.0 / rows) * share
             continue
-        of_left, of_columns = (np.abs(np.fft.rfft(rows, axis=0)) ** 2 for rows in (left[:, None], columns))
-        share = of_columns.sum(axis=1) / len(left)  # of a frequency's power that the basis takes
-        gained += float(_both_signs(len(left)) @ (_filled(of_left[:, 0], share) * share)) / len(left)
+        residual_power, basis_power = (np.abs(np.fft.rfft(each, axis=0)) ** 2 for each in (residual[:, None], columns))
+        share = basis_power.sum(axis=1) / rows
+        gained += float(_multiplicity(rows) @ (_before_it(residual_power[:, 0], share) * share)) / rows
     return gained
 
 
-def _both_signs(count: int) -> np.ndarray:
+def _multiplicity(rows: int) -> np.ndarray:
     """How often each frequency of a real transform counts: zero, and half the sample rate, have one sign."""
-    signs = np.full(count // 2 + 1, 2.0)
+    signs = np.full(rows // 2 + 1, 2.0)
     signs[0] = 1.0
-    if count % 2 == 0:
+    if rows % 2 == 0:
         signs[-1] = 1.0
     return signs
 
 
-def _filled(power: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Power (f,) by frequency before a ``share`` (f,) of it was taken, from as many neighbours as it needs."""
-    kept = np.maximum(1.0 - share, 0.0)
-    sums, shares = (np.concatenate([[0.0], np.cumsum(values)]) for values in (power, kept))
-    places = np.arange(len(power))
-    needed = min(FREQUENCIES, 0.5 * shares[-1])
-    filled = np.zeros(len(power))
-    open_yet = np.ones(len(power), bool)
-    width = 0
-    while open_yet.any():
-        first, stop = np.maximum(places - width, 0), np.minimum(places + width + 1, len(power))
-        mass = shares[stop] - shares[first]
-        enough = open_yet & ((mass >= needed) | ((first == 0) & (stop == len(power))))
-        filled[enough] = (sums[stop] - sums[first])[enough] / np.maximum(mass[enough], 1e-12)
-        open_yet &= ~enough
-        width = max(1, 2 * width)
-    return filled
+def _before_it(power: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Power (f,) by frequency before a basis took its ``share`` (f,) of it."""
+    told = np.flatnonzero(share < EXPLAINED)
+    if len(told) == 0:
+        return power
+    before = power.copy()
+    before[told] = power[told] / (1.0 - share[told])
+    for place in np.flatnonzero(share >= EXPLAINED):
+        first = np.searchsorted(told, place) - NEIGHBOURS
+        near = told[max(first, 0) : first + 2 * NEIGHBOURS]
+        near = near[np.argsort(np.abs(near - place), kind="stable")[:NEIGHBOURS]]
+        # power is exponentially distributed; a line among the neighbours hardly moves the median
+        before[place] = np.median(before[near]) / math.log(2.0)
+    return before

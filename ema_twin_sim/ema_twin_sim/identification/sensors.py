@@ -14,7 +14,7 @@ from ..criteria import BESIDE_IMPACTS, CORRELATION, DEPENDS, INTERPOLATED, MOSTL
 from ..effects import catalogue
 from ..model.roles import SENSOR_DELAY, SENSOR_WAVE
 from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED
-from .candidates import no_more_of
+from .candidates import addable
 from .comparable import by_chance
 from .equation import EquationErrorProblem
 from .fit import Fit
@@ -34,10 +34,10 @@ def with_sensors(problem: EquationErrorProblem, f: Fit, without: frozenset[str] 
     torque, sensors = _columns(problem, f)
     wanted = _unexplained(problem, f)
     h = f.hypothesis
-    held = {*h.effects} | no_more_of(h) | without
+    held = {*h.effects} | without
     _, bare = _regress(torque, wanted)
     for effect, columns in sensors.items():
-        if effect in held:
+        if effect in held or not addable(h, effect):
             continue
         coefficients, cost = _regress(np.concatenate([torque, columns], axis=1), wanted)
         if cost > (1.0 - PART) * bare:

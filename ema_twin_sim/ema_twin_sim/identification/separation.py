@@ -10,26 +10,30 @@ from dataclasses import replace
 import numpy as np
 
 from ..criteria import RIVAL_MARGIN
-from .comparable import refuse_different_weightings
+from .comparable import as_compares, refuse_different_weightings
 from .fit import Fit, fit
 from .wandering import wandering
 
 
+def beside_its_wander(f: Fit) -> Fit:
+    """The fit with the friction that wanders in its residual as part of the noise; itself if none does."""
+    problem = f.problem
+    wander = None if problem.weighting.wander is not None else wandering(problem, f)
+    if wander is None:
+        return f
+    bases = {name: wander.whitened(problem.generic_bases[name]) for name in f.hypothesis.generic_bases}
+    return fit(problem.under(replace(problem.weighting, wander=wander)).with_generic_bases(bases), f.hypothesis)
+
+
 def separation(better: Fit, other: Fit) -> float:
-    """Standard deviations between two fits by their torque rows, with what wanders as part of the noise.
+    """Standard deviations between two fits by their torque rows, under the weighting of the ``better`` one.
 
     That is how far the ``better`` one's lead exceeds what noise gives it if the other is right. The constants' priors
-    are left out, and so are the encoders, in which friction does not wander.
+    are left out, and so are the encoders, in which friction does not wander. Both hold the same generic bases.
     """
     problem = better.problem
-    wander = None if problem.weighting.wander is not None else wandering(problem, better)
-    if wander is not None:
-        used = {*better.hypothesis.generic_bases, *other.hypothesis.generic_bases}
-        beside = problem.under(replace(problem.weighting, wander=wander)).with_generic_bases(
-            {name: wander.whitened(problem.generic_bases[name]) for name in used}
-        )
-        better, other = (fit(beside, f.hypothesis) for f in (better, other))
-    one, two = (f.residual[: problem.size] for f in (better, other))
+    raw = as_compares(other, problem).raw
+    one, two = (residual[: problem.size] * better.weights[: problem.size] for residual in (better.raw, raw))
     away = two - one
     lost = float(two @ two - one @ one)
     noise = np.sqrt(problem.correlation * np.mean(one**2))

@@ -61,13 +61,16 @@ def times_current(recordings: Sequence[Recording]) -> float | None:
 def load_varies(recording: Recording) -> bool:
     """Whether a recording has a load that changes by more than its sensor's noise.
 
-    A sensor that bears none, or always the same, tells nothing.
+    A sensor that bears none, or always the same, tells nothing. Of operating points, each of which may be a mean,
+    nothing tells the noise: there a share of the largest load must change.
     """
     load = recording.signals["load_torque"] if recording.has("load_torque") else np.zeros(0)
     known = load[np.isfinite(load)]
-    if len(known) < 2 or not float(np.ptp(known)) > NEGLIGIBLE * float(np.abs(known).max()):
+    if recording.of_points:
+        return len(known) > 1 and float(np.ptp(known)) > NEGLIGIBLE * float(np.abs(known).max())
+    if len(known) < FEWEST_ROWS:
         return False
-    return recording.of_points or _shows(smooth(_whole(load), _kernel(recording)), _load_noise(recording))
+    return float(np.std(despiked(known))) > TOO_MUCH * reading_noise(known)
 
 
 def falls_with_load(recordings: Sequence[Recording]) -> bool:
@@ -125,11 +128,8 @@ def _loaded(recordings: Sequence[Recording]) -> list[Recording]:
 
 def _load_shows(rows: np.ndarray, recordings: Sequence[Recording]) -> bool:
     """Whether the load changes by more than its sensor's noise."""
-    return _shows(rows[:, _MOTION], max(map(_load_noise, _loaded(recordings)), default=0.0))
-
-
-def _shows(load: np.ndarray, noise: float) -> bool:
-    """Whether a smoothed load (n,) changes by more than the ``noise`` that is left in it."""
+    load = rows[:, _MOTION]
+    noise = max(map(_load_noise, _loaded(recordings)), default=0.0)
     return bool(np.std(load) >= max(NEGLIGIBLE * float(np.sqrt(np.mean(load**2))), TOO_MUCH * noise))
 
 

@@ -6,7 +6,7 @@ Regular expressions look for parts of a word unless they are bound to its ends.
 from __future__ import annotations
 
 STEMS: dict[str, str] = {
-    "time": r"time|zeit|^temps?$|^tempo$|^tiempo",
+    "time": r"time|zeit|^temps$|^tempo$|^tiempo",
     "temperature": r"^temp",
     "torque": r"torque|moment|force|kraft|^(set|ref|cmd|act|meas)?trq|^tau$|effort|^couple|^coppia|^par$|^forza$"
     r"|^fuerza$",

@@ -21,7 +21,7 @@ def not_summed(recordings: Sequence[Recording]) -> str:
     judged = [recording for recording in recordings if _shows_motion(recording)]
     if not judged or any(_goes_with_speed(recording) for recording in judged):
         return ""
-    if any(_alike(np.cumsum(_position(r)), travelled_by_speed(r), beside_means=True) < MOSTLY for r in judged):
+    if any(_alike(_summed(_position(r)), travelled_by_speed(r), beside_means=True) < MOSTLY for r in judged):
         return ""
     return (
         "not used: it looks like the counts since the last sample, since its sum goes as the speed says and it does "
@@ -55,6 +55,12 @@ def _position(recording: Recording) -> np.ndarray:
     return recording.signals["motor_position"] + (0.0 if math.isnan(origin) else origin)
 
 
+def _summed(steps: np.ndarray) -> np.ndarray:
+    """The sum (n,) up to each sample, NaN where a step is; the missing step itself is left out."""
+    missing = np.isnan(steps)
+    return np.where(missing, np.nan, np.cumsum(np.where(missing, 0.0, steps)))
+
+
 def _alike(one: np.ndarray, other: np.ndarray, *, beside_means: bool = False) -> float:
     """How far two motions (n,) go the same ways, 0 to 1, over parts of the length at which they are most alike.
 
@@ -65,6 +71,8 @@ def _alike(one: np.ndarray, other: np.ndarray, *, beside_means: bool = False) ->
         lag = max(1, len(one) // parts)
         ways = one[lag:] - one[:-lag], other[lag:] - other[:-lag]
         known = np.isfinite(ways[0]) & np.isfinite(ways[1])
+        if known.sum() < FEWEST:
+            continue
         first, second = (way[known] - (way[known].mean() if beside_means else 0.0) for way in ways)
         size = math.sqrt(float(first @ first) * float(second @ second))
         best = max(best, abs(float(first @ second)) / size if size > 0.0 else 0.0)

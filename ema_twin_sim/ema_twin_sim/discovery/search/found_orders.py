@@ -10,7 +10,7 @@ import numpy as np
 from ...comparison.orders import find_order
 from ...criteria import CORRELATION, NEARLY_ALL, NEGLIGIBLE
 from ...effects import Trait, catalogue, the_effect
-from ...identification.candidates import Candidate, no_more_of
+from ...identification.candidates import Candidate, addable
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...measured.observation import Observation
@@ -49,11 +49,10 @@ def order_candidates(problem: EquationErrorProblem, f: Fit) -> list[Candidate]:
     if (order := of_the_gears(problem, f)) is not None:
         found.append((the_effect(Trait.MOTOR_WAVE if ratio == 1.0 else Trait.GEAR_WAVE), order))
     held = {(i.effect, i.options.get("order")) for i in f.hypothesis.added.values()}
-    full = no_more_of(f.hypothesis)
     return [
         Candidate(id, {**effect.default_options(), "order": order})
         for id, order in found
-        if (effect := catalogue()[id]) and (id, order) not in held and id not in full
+        if (effect := catalogue()[id]) and (id, order) not in held and addable(f.hypothesis, id)
         if not (effect.searched and order in effect.options["order"])
     ]
 

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from ...criteria import CLEARLY_MORE, DECIDED, RIVAL_MARGIN, SMALL
 from ...effects import Trait, catalogue, effects_with
-from ...identification.candidates import candidates
+from ...identification.candidates import addable, candidates
 from ...identification.comparable import as_compares, cheapest
 from ...identification.compliance import structural_fits
 from ...identification.fit import Fit, fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.local_minima import DAMPED, hopped, starting
 from ...identification.screening import screen
-from ...identification.separation import encoders_tell_apart, separation
+from ...identification.separation import beside_its_wander, encoders_tell_apart, separation
 from ...identification.unseen_encoders import parting_where_unseen
 from ...model.roles import PLAY
 from ..criteria.worth import ENCODER_ONLY, is_lacked, largest_rms_reduction, penalised_gain
@@ -57,20 +58,21 @@ def judged_against_rivals(
 
 
 def _with_a_rival(found: Search, rivals: Iterable[Rivalry], *, beside_unknown: bool) -> Search | None:
-    """The search with the best of the rivals that beat an effect in its place, else with a simpler one; None if none.
+    """The search with the best rival that stays in the place of an effect that it beats, else with a simpler one.
 
-    None as well if it does not stay.
+    None if there is neither.
     """
     beaten = [
         rivalry
         for rivalry in rivals
         if rivalry.behind <= -_needed(found, rivalry)
         and not _farther(found.fit, rivalry.fits[0])
-        and not (beside_unknown and _hardly_differ(rivalry.fits[0], found.fit, rivalry.effect))
+        and not (beside_unknown and _hardly_differ(_Leader(rivalry.fits[0]), found.fit, rivalry.effect))
     ]
-    if better := max(beaten, key=lambda rivalry: -rivalry.behind, default=None):
-        other = swapped(found, better.fits[0])
-        return with_displaced(found, other) if penalised_gain(found.fit, other.fit) > 0.0 else None
+    for rivalry in sorted(beaten, key=lambda rivalry: rivalry.behind):
+        other = swapped(found, rivalry.fits[0])
+        if penalised_gain(found.fit, other.fit) > 0.0:
+            return with_displaced(found, other)
     for rivalry in rivals if beside_unknown else ():
         for rival in _simpler(found.fit, rivalry):
             other = swapped(found, rival, SIMPLER)
@@ -98,6 +100,7 @@ def with_displaced(before: Search, other: Search) -> Search:
 def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Rivalry, ...]:
     """For each effect at the end: what was close when it was added, refitted in its place with all the others."""
     best, problem = found.fit, found.problem
+    leader = _Leader(best)
     judged = []
     for name, instance in best.hypothesis.added.items():
         turn = next((t for t in found.taken if name in t.added), None)
@@ -115,7 +118,7 @@ def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Riv
         close = {
             effect
             for effect, rival, gained in zip(effects, fits, worth, strict=True)
-            if gained > -RIVAL_MARGIN or _hardly_differ(best, rival, instance.effect)
+            if gained > -RIVAL_MARGIN or _hardly_differ(leader, rival, instance.effect)
         }
         runner_up, behind = (effects[0], -worth[0]) if fits else ("", float("inf"))
         group = tuple(sorted({instance.effect, *close}))
@@ -125,22 +128,35 @@ def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Riv
 
 def _simpler(best: Fit, rivalry: Rivalry) -> Iterator[Fit]:
     """The rivals that hardly differ from an effect and have fewer parameters, best first."""
+    leader = _Leader(best)
     for rival in rivalry.fits:
-        if len(rival.hypothesis.free) < len(best.hypothesis.free) and _hardly_differ(best, rival, rivalry.effect):
+        if len(rival.hypothesis.free) < len(best.hypothesis.free) and _hardly_differ(leader, rival, rivalry.effect):
             yield rival
 
 
-def _hardly_differ(best: Fit, rival: Fit, effect: str) -> bool:
+class _Leader:
+    """A fit that several rivals are compared with; what wanders beside it is estimated once, if that is asked."""
+
+    def __init__(self, fit: Fit) -> None:
+        self.fit = fit
+
+    @cached_property
+    def beside_its_wander(self) -> Fit:
+        return beside_its_wander(self.fit)
+
+
+def _hardly_differ(leader: _Leader, rival: Fit, effect: str) -> bool:
     """Whether a rival may explain less of the torque only by chance, since friction that wanders is smooth as well.
 
     Not if it pulls constants from their file values or parts the encoders otherwise, whatever the torque tells, and not
     if the ``effect`` is one that every machine has and this model lacks: that one is there.
     """
+    best = leader.fit
     if is_lacked(best.hypothesis, effect) or is_lacked(rival.hypothesis, effect):
         return False
     if not best.problem.size or abs(rival.prior_cost - best.prior_cost) > RIVAL_MARGIN:
         return False
-    return not encoders_tell_apart(best, rival) and separation(best, rival) < DECIDED
+    return not encoders_tell_apart(best, rival) and separation(leader.beside_its_wander, rival) < DECIDED
 
 
 def substitutes(best: Fit, name: str, turn: Round) -> list[Fit]:
@@ -165,7 +181,7 @@ def came_near(best: Hypothesis, name: str, turn: Round, least: float) -> Iterato
         if len(trial.names) != 1 or trial.names[0] not in held or trial.gain < least:
             continue
         other = trial.fit.hypothesis.instance(trial.names[0])
-        if other.effect not in best.effects:
+        if other.effect not in best.effects and addable(bare, other.effect):
             yield other.effect, bare.with_effect(other.effect, other.options, other.parameters)
 
 
@@ -206,7 +222,9 @@ def made_uncertain(found: Search, name: str) -> list[Fit]:
             continue
         for gone in turn.removed:
             other = turn.before.hypothesis.instance(gone)
-            if other.effect in best.hypothesis.effects or ENCODER_ONLY & {effect, other.effect}:
+            if other.effect in best.hypothesis.effects or not addable(bare, other.effect):
+                continue
+            if ENCODER_ONLY & {effect, other.effect}:
                 continue
             if other.effect in COMPLIANT_EFFECTS:  # what it explains of the encoders says nothing about a torque
                 continue

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -37,6 +37,7 @@ from .wandering_end import beside_wandering
 
 MOST_ROUNDS = 4  # an unknown cause shows in the first rounds
 LIKENESS = "it may only look like the unknown cause"
+Held = frozenset[tuple[object, ...]]
 TRIED = 2  # bases that are fitted in a round
 
 
@@ -125,21 +126,25 @@ def doubted(found: Search) -> Search:
     What had been removed for their sake is tried again, and doubted in turn. What was close to a doubtful effect in its
     round is tried first in its place.
     """
-    stood = [{*found.fit.hypothesis.effects}]
+    tried = [_held(found.fit)]
     while names := _doubtful(found):
-        swaps = (other for name in names if (other := _instead(found, name)) is not None)
-        # two that are nearly equal may each look surer where the other stands
-        other = next((other for other in swaps if {*other.fit.hypothesis.effects} not in stood), None)
+        other = next((other for name in names if (other := _instead(found, name, tried)) is not None), None)
         found = with_what_made_room(less(found, names, LIKENESS)) if other is None else other
-        stood.append({*found.fit.hypothesis.effects})
+        tried.append(_held(found.fit))
     return found
 
 
-def _instead(found: Search, name: str) -> Search | None:
+def _held(f: Fit) -> Held:
+    """The added effects with their options, in no order."""
+    return frozenset((held.effect, *sorted(held.options.items())) for held in f.hypothesis.added.values())
+
+
+def _instead(found: Search, name: str, tried: Sequence[Held]) -> Search | None:
     """Replace a doubtful effect by one that was close in its round and holds up where it does not; None if none does.
 
-    Either one that explained as much, or one that every machine has and this model lacks: friction that warms up looks
-    a little more like Stribeck friction than like dry friction alone.
+    It does not lead back to effects that were ``tried``: of two that are nearly equal, each may look surer where the
+    other stands. It either explained as much, or is one that every machine has and this model lacks: friction that
+    warms up looks a little more like Stribeck friction than like dry friction alone.
     """
     turn = next((turn for turn in found.taken if name in turn.added), None)
     if turn is None:
@@ -151,6 +156,8 @@ def _instead(found: Search, name: str) -> Search | None:
         effects = {other.hypothesis.added[n].effect for n in came}
         if effects <= equal or all(is_lacked(other.hypothesis, effect) for effect in effects):
             instead = swapped(found, other)
+            if _held(instead.fit) in tried:
+                continue
             if {*came} <= {*instead.fit.hypothesis.added} and {*came}.isdisjoint(_doubtful(instead)):
                 return replace(instead, rounds=(*found.rounds, replace(instead.rounds[-1], reason=LIKENESS)))
     return None
@@ -181,7 +188,7 @@ def _doubtful(found: Search) -> list[str]:
     stands -= {name for name in stands if is_play(found.fit, name) and only_teeth(problem, found.fit, name)}
     if not found.fit.parted and _gearbox_explains_more(found):
         stands -= {name for name in stands if catalogue()[added[name].effect].delays}
-    if stands == {*added}:  # otherwise a doubtful effect may have pulled the constants
+    if stands == {*added} and not drawn:  # otherwise a doubtful effect may have pulled the constants
         stands -= _straining(found, over)
     doubtful = [name for name in added if name not in stands]
     if {added[name].effect for name in doubtful}.isdisjoint(COMPLIANT_EFFECTS):
@@ -195,7 +202,7 @@ def _doubtful(found: Search) -> list[str]:
 def _straining(found: Search, over: Mapping[str, str]) -> set[str]:
     """The added effects that pull constants from the file's values; ``over`` tells what each depends on.
 
-    What pulls constants that are off without an effect as well is no reason to doubt it.
+    An effect is not doubted if the same constants are off without it.
     """
     strange = {*strained(found.fit)}
     if not strange:
