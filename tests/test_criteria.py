@@ -23,7 +23,7 @@ METHOD = {
     "measured/order_spectrum.py": "_ANGLE_BINS _LARGEST _FINER",
     "measured/smoothed_motion.py": "WIDTH COUNTER_WIDTH COUNTER_SPEED_WIDTH COUNTER_PULL LEAST_PERIODS FEWEST",
     "measured/smoothing.py": "REACH DERIVATIVE_REACH",
-    "measured/spoilt_samples.py": "NEIGHBOURS",
+    "measured/spoilt_samples.py": "FEWEST TOLD ROUNDING NEIGHBOURS",
     "measured/switching_ripple.py": "_FINER",
     "measured/twist.py": "SMOOTHED FEWEST AT_ENDS",
     "measured/way_by_speed.py": "WINDOW FEWEST",

@@ -1,5 +1,6 @@
 """A measured load tells the torque constant: within its tolerance it is a refitted constant, beyond it an effect."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -46,6 +47,22 @@ def test_beyond_it_an_effect_is_missing(stock):
 @pytest.mark.slow
 def test_without_the_sensor_nothing_tells_it(stock):
     assert discover([without_load(run) for run in of_a_motor(stock, 0.97)], stock).added != ("torque_constant_error",)
+
+
+@pytest.mark.slow
+def test_an_assumed_constant_of_an_unknown_machine_is_fitted_however_far_off(stock):
+    """Nobody took the 1 N m/A of a draft for a number of the machine."""
+    wrong = {
+        CONSTANT: replace(stock.constants[CONSTANT].at(8.0 * stock.value(CONSTANT)), source="assumed: 1 N m/A"),
+        "machine.motor_inertia": replace(stock.constants["machine.motor_inertia"], tolerance=math.inf),
+    }
+    friction = {n: replace(i, open=True) for n, i in stock.effects.items()}
+    drafted = replace(stock, constants={**stock.constants, **wrong}, effects=friction)
+    found = discover(of_a_motor(stock, 1.0), drafted)
+    assert (found.verdict, found.added) == ("none", ())
+    assert found.model.value(CONSTANT) == pytest.approx(stock.value(CONSTANT), rel=0.01)
+    part, name = stock.shown_path(CONSTANT).split(".")
+    assert found.constants[part][name]["std"] < 0.01 * stock.value(CONSTANT)
 
 
 def test_a_disabled_factor_of_the_model_stays_as_it_is(stock):

@@ -12,7 +12,7 @@ from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.estimates import standard_errors
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.identification.on_bound import TURNED, on_bounds, reached_bound
+from ema_twin_sim.identification.on_bound import TURNED, on_bounds, reached_bound, torque_sign_reversed
 from ema_twin_sim.measured.observation import observe
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
@@ -57,6 +57,34 @@ def test_a_torque_that_works_against_inertia_and_friction_has_the_wrong_sign(sig
     problem = EquationErrorProblem([replace(o, torque=sign * o.torque) for o in observed])
     found = fit(problem, null_hypothesis(arm), 20)
     assert (TURNED in on_bounds(problem, found, standard_errors(problem, found))) == turned
+
+
+@pytest.mark.parametrize(("sign", "turned"), [(1.0, False), (-1.0, True)])
+def test_the_sign_is_told_beside_a_load_and_a_friction_that_is_hardly_known(sign, turned):
+    """Held by its load, the arm shows its inertia and hardly its friction: that need not end at zero."""
+    arm = open_arm()
+    observed = [observe(swing, arm) for swing in swings_of(arm)]
+    noise = np.random.default_rng(5)
+    torques = [sign * (o.torque + 60.0 * noise.standard_normal(len(o.torque))) for o in observed]
+    problem = EquationErrorProblem(
+        [
+            replace(o, torque=torque, torque_noise=o.torque_noise + 60.0)
+            for o, torque in zip(observed, torques, strict=True)
+        ]
+    )
+    h = null_hypothesis(arm).with_effect("constant_load", {}, {"torque": 1.0})
+    h = h.put({free.path: 1e-3 for free in h.free if free.path in ("scale.coulomb_friction", "scale.viscous_friction")})
+    assert torque_sign_reversed(problem, fit(problem, h, 20)) == turned
+
+
+def test_a_torque_that_is_filtered_is_no_torque_of_wrong_sign():
+    """It seems to come late, so that the inertia may end at zero; friction is as large as it is."""
+    arm = open_arm()
+    observed = [observe(swing, arm) for swing in swings_of(arm)]
+    late = [replace(o, torque=o.torque - 1.5 * 40.0 * o.acceleration[: len(o.torque)]) for o in observed]
+    problem = EquationErrorProblem(late)
+    found = fit(problem, null_hypothesis(arm), 20)
+    assert not torque_sign_reversed(problem, found)
 
 
 @pytest.mark.parametrize("verb", ["discover", "fit"])

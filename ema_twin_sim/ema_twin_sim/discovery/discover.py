@@ -57,7 +57,7 @@ from .shares import of_sums, with_division
 from .split import ClosedLoop, with_best_split
 from .unmoved import beside_constants_as_filed, freed, with_unmoved_constants
 from .unseen import Unseen, gain_where_unseen, judge_unseen
-from .within_tolerance import with_factor_as_constant, with_factor_in_the_constant
+from .within_tolerance import with_assumed_constant_free, with_factor_as_constant, with_factor_in_the_constant
 
 
 @dataclass(frozen=True)
@@ -158,7 +158,7 @@ def discover(
     model = with_output_held(at_rest(model, recordings), recordings)
     refuse_inconsistent(recordings, model)
     problem = EquationErrorProblem([with_switching_ripple(o, model) for o in observe_all(list(recordings), model)])
-    null = null_hypothesis(model, by_torque=problem.size > 0)
+    null = with_assumed_constant_free(null_hypothesis(model, by_torque=problem.size > 0), recordings)
     excluded = excluded_effects(recordings, model, without)
     found, known = _searched(problem, null, excluded, progress)
     found = with_factor_as_constant(found, recordings)

@@ -1,12 +1,14 @@
-"""A torque constant off by no more than its tolerance is one more refitted constant, not a missing effect.
+"""A torque constant that a load sensor tells: off by no more than its tolerance, or assumed, it is no missing effect.
 
 The load sensor of a dynamometer tells how much torque an ampere gives, as surely as the current tells inertia and
 friction. These are free within their tolerances from the start. The torque constant enters a search as an effect, so
-that it competes with what acts through the current as well, and becomes a constant once that search has ended.
+that it competes with what acts through the current as well, and becomes a constant once that search has ended. One
+that is only assumed is free from the start, as all that nobody knows of a machine.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -15,13 +17,29 @@ from ema_bench_replay.recording import Recording
 from ..criteria import LIKELY
 from ..identification.estimates import standard_errors
 from ..identification.fit import fit
-from ..measured.load_sensor import load_varies
+from ..identification.hypothesis import Hypothesis
+from ..measured.load_sensor import load_varies, torque_per_current
 from ..model import Model
+from ..model.check_comment import is_assumed
 from ..model.model_file import TORQUE_CONSTANT
 from ..model.roles import TORQUE_FACTOR
 from .search.trace import Search
 
 WITHIN = "it is within the tolerance of the model's torque constant, which is refitted instead"
+
+
+def with_assumed_constant_free(null: Hypothesis, recordings: Sequence[Recording]) -> Hypothesis:
+    """The null hypothesis with an assumed torque constant entirely free, if a load that varies was measured.
+
+    Only if other constants are open too: nobody knows those of a machine and assumes its torque constant.
+    """
+    constant = null.base.constants[TORQUE_CONSTANT]
+    known = not null.base.is_open or not is_assumed(constant.source) or TORQUE_FACTOR in null.held
+    if known or not any(recording.has("current") and load_varies(recording) for recording in recordings):
+        return null
+    (name,) = (free := null.with_effect(TORQUE_FACTOR, {}, {"scale": 1.0})).added
+    start = torque_per_current(recordings) or constant.value
+    return free.with_factor_as_constant(name, math.inf).put({f"scale.{TORQUE_FACTOR}": start / constant.value})
 
 
 def with_factor_as_constant(found: Search, recordings: Sequence[Recording]) -> Search:

@@ -92,13 +92,22 @@ class Circumstances:
     limit_in_words: str  # the torque limit as text, in the unit of the model file
 
 
+_NAN = math.nan
+NOTHING_KNOWN = Circumstances(_NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, "")
+"""No circumstances: only rules on the values alone can apply."""
+
+
 @dataclass(frozen=True)
 class Implausible:
-    """A rule for values of a parameter that no machine has, and the question to ask: something else may be missing."""
+    """A rule for values of a parameter that no machine has, and the question to ask: something else may be missing.
+
+    If it is ``never`` possible, whatever the other constants are, ``discover`` names no such effect.
+    """
 
     parameter: str
     when: Callable[[Values, Circumstances], bool]
     reason: str
+    never: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,6 +29,7 @@ EFFECT = Effect(
             "coefficient",
             lambda v, c: v["coefficient"] > 0.6,
             "more than half of what teeth carry does not go into their friction",
+            never=True,
         ),
     ),
 )

@@ -43,7 +43,10 @@ EFFECT = Effect(
             "far longer than the recordings: they show a slow drift and not its end; is it a spring or a load?",
         ),
         Implausible(
-            "fraction", lambda v, c: v["fraction"] > 0.9, "a warm lubricant does not lose nearly all its friction"
+            "fraction",
+            lambda v, c: v["fraction"] > 0.9,
+            "a warm lubricant does not lose nearly all its friction",
+            never=True,
         ),
     ),
 )

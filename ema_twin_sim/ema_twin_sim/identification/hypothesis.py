@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..criteria import SEARCHED_BEYOND_STARTS, STIFFEST, TOLERANCE
+from ..criteria import ANY_SIZE, SEARCHED_BEYOND_STARTS, STIFFEST, TOLERANCE
 from ..effects import Parameter, catalogue
 from ..measured.scales import INERTIAS
 from ..model import ConstantValue, EffectInstance, Model
@@ -354,16 +354,20 @@ class Hypothesis:
         return self
 
     def with_factor_as_constant(self, name: str, tolerance: float) -> Hypothesis:
-        """The hypothesis with an added factor on the torque constant as a constant, known within a ``tolerance``."""
+        """The hypothesis with an added factor on the torque constant as a constant, known within a ``tolerance``.
+
+        If that is infinite it is entirely free.
+        """
         instance = self.added[name]
         path, scale = f"effects.{name}.scale", f"scale.{TORQUE_FACTOR}"
+        prior = None if math.isinf(tolerance) else (1.0, max(tolerance, EXACT))
+        ends = {"lower": 1.0 / ANY_SIZE, "upper": ANY_SIZE} if prior is None else {}
         return replace(
             self,
             base=replace(self.base, effects={**self.base.effects, name: instance.at({"scale": 1.0})}),
             added={other: held for other, held in self.added.items() if other != name},
             free=tuple(
-                replace(free, path=scale, prior=(1.0, max(tolerance, EXACT))) if free.path == path else free
-                for free in self.free
+                replace(free, path=scale, prior=prior, **ends) if free.path == path else free for free in self.free
             ),
         )
 

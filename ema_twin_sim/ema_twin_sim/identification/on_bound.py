@@ -5,20 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from ..criteria import NEARLY_ALL, NEGLIGIBLE
+import numpy as np
+
+from ..criteria import LIKELY, NEARLY_ALL, NEGLIGIBLE, SIGNIFICANT
 from ..effects import catalogue
 from ..model.constants import CONSTANTS
 from ..model.own_units import shown
 from ..model.roles import DRY_FRICTION, FRICTION
 from .equation import EquationErrorProblem
 from .estimates import standard_errors
-from .fit import Fit
+from .fit import Fit, prior_rows
 from .hypothesis import INERTIAS, Free
+from .uncertainty import scaled_inverse
 
 INERTIA_SHOWN_BY = "hard acceleration: steps, fast sines"
 TURNED = (
-    "inertia and friction are all at their lower bounds, as if the sign of the torque were turned round; check the "
-    "sign of current, torque and positions in the import map (`factor: -1` turns one)"
+    "no inertia and no friction is above zero, as if the torque acted against the machine: its sign is turned round; "
+    "check the signs of current, torque and positions in the import map (`factor: -1` turns one)"
 )
 START_ELSEWHERE = "or give the model a value nearer to it to start from"
 
@@ -45,16 +48,36 @@ def on_bounds(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float]) 
 
 
 def torque_sign_reversed(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float] | None = None) -> bool:
-    """Whether the inertia and all friction of an unknown machine ended at their least, as for a torque of wrong sign.
+    """Whether the torque of an unknown machine acts against it: none of its inertia and friction is above zero.
 
-    ``sure`` are the standard errors by path, if they are known already.
+    Either all ended at their least, or one of them would surely be negative without bounds and none surely positive. A
+    filtered torque makes the inertia alone negative. ``sure`` are the standard errors by path, if they are known
+    already.
     """
     paths = {f"scale.{what}" for what in ("inertia", *FRICTION)}
-    asked = [free.path for free in f.hypothesis.free if free.path in paths and free.prior is None]
+    asked = {k: free.path for k, free in enumerate(f.hypothesis.free) if free.path in paths and free.prior is None}
     if len(asked) < 2 or not problem.size:
         return False
     ended = _ended(problem, f, standard_errors(problem, f) if sure is None else sure)
-    return all(ended[path] == "lower" for path in asked)
+    if all(ended[path] == "lower" for path in asked.values()):
+        return True
+    if ended[asked[min(asked)]] != "lower":
+        return False
+    away = _without_bounds(f)
+    return min(away[k] for k in asked) < -SIGNIFICANT and max(away[k] for k in asked) < LIKELY
+
+
+def _without_bounds(f: Fit) -> np.ndarray:
+    """Standard errors (k,) by which each free parameter of a fit differs from zero at the minimum without bounds.
+
+    To first order, as inertia and friction act.
+    """
+    root_inflation = np.sqrt(f.row_variance_inflations)
+    residuals, slopes = prior_rows(f.hypothesis)
+    scaled = np.concatenate([f.jacobian / root_inflation[:, None], slopes])
+    spread = scaled_inverse(scaled.T @ scaled)
+    best = f.hypothesis.values + spread @ (scaled.T @ np.concatenate([f.residual / root_inflation, residuals]))
+    return best / np.sqrt(np.maximum(np.diag(spread), 1e-300))
 
 
 def _ended(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float]) -> dict[str, str | None]:

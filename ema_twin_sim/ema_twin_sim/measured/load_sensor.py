@@ -73,6 +73,22 @@ def load_varies(recording: Recording) -> bool:
     return float(np.std(despiked(known))) > TOO_MUCH * reading_noise(known)
 
 
+def torque_per_current(recordings: Sequence[Recording]) -> float | None:
+    """The factor on the current [N m/A] by which it drives the measured load beside the motion; None if none does.
+
+    By regression of the load: what the current drives beyond inertia and friction. It is a start for a fit.
+    """
+    points = [_rows_of_points(r) for r in recordings if r.of_points]
+    rows = np.concatenate(points) if points else _all_rows(recordings)
+    if len(rows) < _FEWEST_POINTS:
+        return None
+    motion, load, drive = rows[:, :_MOTION], rows[:, _MOTION], rows[:, _MOTION + 1]
+    load, drive = _beside(motion, load), _beside(motion, drive)
+    size = float(drive @ drive)
+    factor = float(load @ drive) / size if size > 0.0 else 0.0
+    return factor if factor > 0.0 else None
+
+
 def falls_with_load(recordings: Sequence[Recording]) -> bool:
     """Whether the drive's torque falls where the load rises, so that the sensor has the opposite sign.
 

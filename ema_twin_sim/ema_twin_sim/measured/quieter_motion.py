@@ -22,6 +22,7 @@ from ..reading_noise import reading_noise
 from ..simulation.sensor_noise import counter_noise
 from .smoothed_motion import LEAST_PERIODS
 from .smoothing import gaussian, smooth
+from .spoilt_samples import without_spoilt_motion
 from .way_by_speed import standing_position
 
 MOST_PERIODS = 5.0
@@ -31,12 +32,13 @@ STRETCHES, STRETCH = 10, 20_000  # stretches of a long recording that are examin
 
 
 def as_measured(recordings: Sequence[Recording], model: Model) -> list[Recording]:
-    """The recordings as ``model.matching.matched`` gives them, without speeds that are noisier than their positions.
+    """The recordings as ``model.matching.matched`` gives them, without spoilt samples and without noisy speeds.
 
-    This is decided once for all of them, since they come from the same sensors. The first recording without its speed
-    carries the warning. Raises InputError if recordings and model do not belong together.
+    Whether a speed is noisier than the position is decided once for all of them, since they come from the same sensors.
+    The first recording without its speed carries the warning. Raises InputError if recordings and model do not belong
+    together.
     """
-    found = _told_once(recordings, [matched(recording, model) for recording in recordings])
+    found = _told_once(recordings, [without_spoilt_motion(matched(recording, model)) for recording in recordings])
     coarse = {k: both for k, one in enumerate(found) if (both := _noise_and_acceleration(one, model)) is not None}
     noise, acceleration = (
         (float(sum(column)) for column in zip(*coarse.values(), strict=True)) if coarse else (0.0, 0.0)

@@ -2,29 +2,77 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
-from ..criteria import PART, SPIKE
+from ema_bench_replay.long_columns import by_pieces, places_where
+from ema_bench_replay.recording import Recording
+
+from ..criteria import LIKELY, NEARLY_ALL, PART, SPIKE
+from ..listing import number_of
 from .sliding import moving_maximum, moving_median
 
+MOTION = ("speed", "motor_position", "output_position")
+FEWEST = 5  # samples among which one can stand alone
+TOLD = 3  # places in a warning
+ROUNDING = 1e-12  # of the largest value: less is an error of arithmetic
 NEIGHBOURS = 7  # samples; the middle one stands out where counts were lost
 
 
 def despiked(values: np.ndarray) -> np.ndarray:
-    """Values (n,) without single samples far off the line between their neighbours: transmission errors."""
-    middle = 0.5 * (values[:-2] + values[2:])
-    out = values[1:-1] - middle
-    spread = 1.4826 * float(np.median(np.abs(out)))
-    # next to a spike both neighbours deviate by half of it in the opposite direction; next to a corner they do not
-    before, after = np.r_[0.0, out[:-1]], np.r_[out[1:], 0.0]
-    wild = (np.abs(out) > SPIKE * spread) & (before * out < -PART * out**2) & (after * out < -PART * out**2)
-    if spread == 0.0 or not wild.any():
+    """Values (n,) with the mean of their neighbours in place of transmission errors."""
+    wild = spoilt(values)
+    if not wild.any():
         return values
     kept = values.copy()
-    kept[1:-1][wild] = middle[wild]
+    kept[wild] = 0.5 * (values[np.roll(wild, -1)] + values[np.roll(wild, 1)])
     return kept
+
+
+def spoilt(values: np.ndarray) -> np.ndarray:
+    """Which values (n,) are single samples far off the line between their neighbours: transmission errors."""
+    wild = np.zeros(len(values), bool)
+    known = np.flatnonzero(np.isfinite(values))
+    if len(known) < FEWEST:
+        return wild
+    values = values[known]
+    out = values[1:-1] - 0.5 * (values[:-2] + values[2:])
+    # of a signal in steps most samples are on a line, but for rounding errors
+    spread = max(1.4826 * float(np.median(np.abs(out))), float(np.quantile(np.abs(out), NEARLY_ALL)) / LIKELY)
+    if not spread > ROUNDING * float(np.abs(values).max()):
+        return wild
+    # next to a spike both neighbours deviate by half of it in the opposite direction; next to a corner they do not
+    before, after = np.r_[0.0, out[:-1]], np.r_[out[1:], 0.0]
+    # a sample that was taken late is off by less than goes on between its neighbours
+    far = np.abs(out) > np.maximum(SPIKE * spread, np.abs(values[2:] - values[:-2]))
+    far &= (before * out < -PART * out**2) & (after * out < -PART * out**2)
+    wild[known[1:-1][far]] = True
+    return wild
+
+
+def without_spoilt_motion(recording: Recording) -> Recording:
+    """The recording with transmission errors of its speed and positions unknown, and a warning that says where."""
+    if recording.of_points:
+        return recording
+    signals, warnings = dict(recording.signals), [*recording.warnings]
+    for name in MOTION:
+        if not recording.has(name):
+            continue
+        wild = by_pieces(spoilt, signals[name], margin=1)
+        places = places_where(lambda part: part, wild)
+        if len(places):
+            signals[name] = by_pieces(lambda values, gone: np.where(gone, np.nan, values), signals[name], wild)
+            told = ", ".join(f"{recording.time[place]:.3f}" for place in places[:TOLD])
+            more = " …" if len(places) > TOLD else ""
+            warnings.append(
+                f"{recording.name}: {number_of(len(places), 'single sample')} of {name} far off the samples before and "
+                f"after, as transmission errors are: left out, at {told}{more} s"
+            )
+    if len(warnings) == len(recording.warnings):
+        return recording
+    return replace(recording, signals=signals, warnings=tuple(warnings))
 
 
 def counter_jumps(difference: np.ndarray, travel: np.ndarray, counted: float) -> np.ndarray:

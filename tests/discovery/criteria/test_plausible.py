@@ -236,6 +236,20 @@ class TestShapes:
         bounded = tuple(replace(f, upper=1.0) if n == k else f for n, f in enumerate(h.free))
         assert sure(replace(h, free=bounded), monkeypatch, {}) is None
 
+    @pytest.mark.parametrize(("coefficient", "stands"), [(0.5, True), (0.7, False)])
+    def test_a_share_that_no_machine_has_is_not_named_if_constants_are_open(
+        self, coefficient, stands, stock, monkeypatch
+    ):
+        """Teeth do not lose more than half of what they carry to friction."""
+        for machine, held in ((an_open(stock), stands), (stock, True)):
+            h = a_hypothesis(machine, "mesh_friction", mesh_friction={"coefficient": coefficient})
+            assert sure(h, monkeypatch, {}) == (None if held else "mesh_friction")
+
+    def test_what_depends_on_circumstances_is_no_such_share(self, stock, monkeypatch):
+        """A propeller's drag is many times all other friction."""
+        h = a_hypothesis(an_open(stock), "quadratic_drag", quadratic_drag={"coefficient": 1e3})
+        assert sure(h, monkeypatch, {}) is None
+
 
 class TestOnlyConstants:
     """Fits without one of the effects are given by hand."""

@@ -8,13 +8,13 @@ gets an effect of its own.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 
 import numpy as np
 
 from ...criteria import COST_PARAMETER, DEPENDS, LEAST_SIZE, LIKELY, SIGNIFICANT, STRAINED_BESIDE, STRAINED_TOGETHER
-from ...effects import Trait, catalogue, effects_with
+from ...effects import NOTHING_KNOWN, Effect, Trait, catalogue, effects_with
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit, prior_rows
 from ...identification.hypothesis import LAG, SIDED
@@ -65,8 +65,8 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
       noise is left there.
     * Effects that show only in constants off their file are exempt: how far these were off was the effect's gain. So
       are effects that every machine has, in the presence of a generic basis, which fits anything.
-    * With open constants no shape may end on its bound, and an effect over a shaft angle must show away from
-      standstill.
+    * With open constants no shape may end on its bound, no share may be one that its effect's file calls impossible
+      for any machine, and an effect over a shaft angle must show away from standstill.
 
     If two effects can replace each other, the later one goes first, because it explains less.
     """
@@ -79,7 +79,11 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
         instance = f.hypothesis.instance(name)
         effect = catalogue()[instance.effect]
         size = effect.parameters[0]
-        if f.hypothesis.base.is_open and (_shape_on_bound(problem, f, name) or shows_where_slowest(problem, f, name)):
+        if f.hypothesis.base.is_open and (
+            _shape_on_bound(problem, f, name)
+            or _share_of_no_machine(effect, instance.parameters)
+            or shows_where_slowest(problem, f, name)
+        ):
             yield name
             continue
         if f.hypothesis.generic_bases and is_lacked(f.hypothesis, effect.id):
@@ -129,6 +133,14 @@ def _shape_on_bound(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
         free.path in shape and reached_bound(float(value), float(lower), float(upper), math.inf, abs(value))
         for free, value, lower, upper in numbers
     )
+
+
+def _share_of_no_machine(effect: Effect, parameters: Mapping[str, float]) -> bool:
+    """Whether a share of an effect is one that no machine has: friction of the teeth beyond half of what they carry.
+
+    The effect then fits a part of the constants, or an unknown cause.
+    """
+    return any(rule.never and rule.when(parameters, NOTHING_KNOWN) for rule in effect.implausible)
 
 
 def _sureness(f: Fit, spread: np.ndarray, off: float, size: int, shape: Sequence[int]) -> float:

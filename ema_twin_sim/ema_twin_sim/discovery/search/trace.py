@@ -21,7 +21,7 @@ SURER = "another effect explains as much in its place and is certain"
 SIMPLER = "a simpler effect explains as much in its place, beside what is unknown"
 WANDERS_OVER_TIME = "friction that varies slowly over the recording explains as much"
 WANDERS = "friction that varies slowly explains as much"
-UNCERTAIN = "too uncertain to be named"
+UNCERTAIN = "its numbers are too uncertain, or those of no machine"
 
 
 @dataclass(frozen=True, eq=False)
