@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from ema_twin_sim.identification.chance import gain_on_correlated_noise
+from ema_twin_sim.identification.chance import gain_on_correlated_noise, noise_along
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.generic_bases import fit_with_basis
@@ -76,3 +76,14 @@ def test_operating_points_have_no_neighbours(stock):
     )
     assert points[0] == pytest.approx(points[1], rel=0.3)
     assert motion[0] > 3.0 * motion[1]
+
+
+@pytest.mark.parametrize("likeness", [0.0, 0.9])
+def test_noise_along_a_direction_is_as_large_as_it_scatters(likeness):
+    problem = EquationErrorProblem([few_rows(np.zeros(ROWS), NOISE, kernel=(0.0, 1.0, 0.0)) for _ in range(2)])
+    direction = np.concatenate([np.sin(2.0 * np.pi * 3.0 * np.arange(ROWS) / ROWS), np.zeros(ROWS)])
+    each = [np.concatenate([alike(2 * seed, likeness), alike(2 * seed + 1, likeness)]) for seed in range(200)]
+    told = np.sqrt(np.mean([noise_along(problem, noise, direction) ** 2 for noise in each]))
+    assert told == pytest.approx(np.std([noise @ direction for noise in each]), rel=0.15)
+    slow_over_white = np.sqrt((1.0 + likeness) / (1.0 - likeness))
+    assert told == pytest.approx(slow_over_white * np.linalg.norm(direction), rel=0.15)

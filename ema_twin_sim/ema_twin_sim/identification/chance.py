@@ -43,6 +43,24 @@ def gain_on_correlated_noise(problem: EquationErrorProblem, before: Fit, after: 
     return gained
 
 
+def noise_along(problem: EquationErrorProblem, residual: np.ndarray, direction: np.ndarray) -> float:
+    """Standard deviation of the sum of noise times a ``direction`` (m,), over the torque rows.
+
+    The noise is like a ``residual`` (m,): of its spectrum, recording by recording; at operating points it is white.
+    """
+    variance = 0.0
+    for o, part in zip(problem.observations, problem.torque_parts, strict=True):
+        rows = part.stop - part.start
+        if rows == 0:
+            continue
+        if o.of_points:
+            variance += float(residual[part] @ residual[part]) * float(direction[part] @ direction[part]) / rows
+        else:
+            powers = (np.abs(np.fft.rfft(each[part])) ** 2 for each in (residual, direction))
+            variance += float(_multiplicity(rows) @ np.prod([*powers], axis=0)) / rows**2
+    return math.sqrt(variance)
+
+
 def _multiplicity(rows: int) -> np.ndarray:
     """How often each frequency of a real transform counts: zero, and half the sample rate, have one sign."""
     signs = np.full(rows // 2 + 1, 2.0)

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..criteria import RIVAL_MARGIN
+from .chance import noise_along
 from .comparable import as_compares, refuse_different_weightings
 from .fit import Fit, fit
 from .wandering import wandering
@@ -28,16 +29,17 @@ def beside_its_wander(f: Fit) -> Fit:
 def separation(better: Fit, other: Fit) -> float:
     """Standard deviations between two fits by their torque rows, under the weighting of the ``better`` one.
 
-    That is how far the ``better`` one's lead exceeds what noise gives it if the other is right. The constants' priors
-    are left out, and so are the encoders, in which friction does not wander. Both hold the same generic bases.
+    That is how far the ``better`` one's lead exceeds what noise like its residual gives it if the other is right. The
+    constants' priors are left out, and so are the encoders, in which friction does not wander. Both hold the same
+    generic bases.
     """
     problem = better.problem
     raw = as_compares(other, problem).raw
     one, two = (residual[: problem.size] * better.weights[: problem.size] for residual in (better.raw, raw))
     away = two - one
     lost = float(two @ two - one @ one)
-    noise = np.sqrt(problem.correlation * np.mean(one**2))
-    return (lost + float(away @ away)) / max(2.0 * float(np.linalg.norm(away)) * noise, 1e-300)
+    white = float(np.linalg.norm(away)) * np.sqrt(problem.correlation * np.mean(one**2))
+    return (lost + float(away @ away)) / max(2.0 * white, 2.0 * noise_along(problem, one, away), 1e-300)
 
 
 def encoders_tell_apart(one: Fit, other: Fit) -> bool:
