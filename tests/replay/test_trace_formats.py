@@ -114,6 +114,28 @@ def test_time_tells_what_a_mark_means(trace):
     assert thousands.output_angle_origin == pytest.approx(2 * math.pi * 812_347 / 4e6)
 
 
+@pytest.mark.parametrize(
+    "words",
+    ['"[0.1{}, -0.{}, 3.2{}]"', '"1,{} of 2,{}"', '"(0,{})"', '"12,{} %"'],
+    ids=["list", "text", "brackets", "share"],
+)
+def test_only_a_whole_number_tells_the_decimal_mark(tmp_path, words):
+    """The commas of a list in a cell are no decimal marks."""
+    path = tmp_path / "run.csv"
+    rows = [f"on,{row}.5,{words.format(*[10 + row, 20 + row, 30 + row])}" for row in range(9)]
+    path.write_text("\n".join(["state,time [s],note", *rows, "on,9.75,-", ""]))
+    table = read_table(path, needed=lambda header: (1,))
+    assert table.columns[1].tolist() == [*(row + 0.5 for row in range(9)), 9.75]
+
+
+@pytest.mark.parametrize("cell", ["1,5e-3", "-0,25", "1.234,5", ",5"])
+def test_a_number_of_any_shape_tells_it(tmp_path, cell):
+    path = tmp_path / "run.csv"
+    path.write_text(f"a;b\n812.347;{cell}\n812.348;{cell}\n")
+    table = read_table(path)
+    assert table.columns[0].tolist() == [812347.0, 812348.0] and table.warnings == ()
+
+
 def test_open_number_format_is_assumed_and_said(trace):
     recording = load(trace(header="X [ms];r4821;", rows=["0;812.347;", "2;812.348;"]))
     assert recording.output_angle_origin == pytest.approx(2 * math.pi * 812_347 / 4e6)

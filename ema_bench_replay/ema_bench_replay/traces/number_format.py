@@ -92,12 +92,17 @@ def detect(text: bytes, delimiter: str, likely: NumberFormat) -> tuple[NumberFor
 
 
 def _evidence(sample: bytes, delimiter: str) -> tuple[Counter[str], str]:
-    """How many different numbers indicate each decimal mark, and an example of those that leave it open."""
+    """How many different numbers indicate each decimal mark, and an example of those that leave it open.
+
+    Only a cell that is a number as a whole counts: the commas of a list in a cell are no decimal marks.
+    """
     marks = "." if delimiter == "," else ".,"
     votes: Counter[str] = Counter()
     unsettled = ""
     rows = sample[: sample.rfind(b"\n") + 1] or sample
-    for number in dict.fromkeys(re.findall(rf"[-+0-9{marks}]*[{marks}][-+0-9{marks}]*", rows.decode("latin-1"))):
+    begins, ends = rf"(?<![^\n{re.escape(delimiter)}])", rf"(?![^\n{re.escape(delimiter)}])"
+    cell = rf"{begins}([-+]?[0-9{marks}]*[{marks}][0-9{marks}]*)(?:[eE][-+]?[0-9]+)?{ends}"
+    for number in dict.fromkeys(re.findall(cell, rows.decode("latin-1"))):
         if mark := _decimal_mark(number):
             votes[mark] += 1
         else:
