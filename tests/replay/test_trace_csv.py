@@ -160,6 +160,19 @@ def test_an_end_of_empty_lines_is_no_row(trace):
     assert len(load(trace("\r\n".join([HEADER, *ROWS, "", "", ""]).encode()))) == 4
 
 
+@pytest.mark.parametrize(
+    "end",
+    ["\n\n# fitted\n# a -> 0.03; 0,05\n", "\n# fitted", "\n% a\n\n% b\n", "\n  \n\t\n", "\n" + "# a\n" * 300],
+)
+def test_comments_below_the_rows_are_ignored_as_above_the_header(trace, end):
+    recording = load(trace(("\n".join([HEADER, *ROWS]) + end).encode()))
+    assert len(recording) == 4 and recording.warnings == ()
+
+
+def test_a_comment_between_rows_is_refused(trace):
+    refused(trace("\n".join([HEADER, *ROWS[:2], "# pause", *ROWS[2:], ""]).encode()), "line 4", "1 cell", "remove")
+
+
 class TestBadInput:
     """Each with one line that names file, place and remedy."""
 

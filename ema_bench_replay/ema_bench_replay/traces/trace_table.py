@@ -83,8 +83,9 @@ def read_table(
     """Read a delimited text file: one header line and numbers below it.
 
     Above the header there may be comments (#, %), blank lines, quoted texts and lines with other cells than the rows;
-    below it a row of units, which are appended to the names in brackets. Columns may be separated by blanks. Times of
-    day and dates are converted to s. An incomplete last row is dropped, with a warning. `delimiter` and `number_format`
+    below it a row of units, which are appended to the names in brackets. Blank lines and comments may end the file.
+    Columns may be separated by blanks. Times of day and dates are converted to s. An incomplete last row is dropped,
+    with a warning. `delimiter` and `number_format`
     ("german", "english") are detected if they are None. `needed` returns for a header the columns that must hold
     numbers; others may hold words and empty cells. `progress` is called with the share read so far. Raises InputError.
     """
@@ -133,6 +134,7 @@ class _RowReader:
     ) -> None:
         self.path = path
         self.line = header_line + 1  # of the next row
+        self.waiting = b""  # blank lines and comments that end the rows read so far
         self.warnings: list[str] = []
         self.written_delimiter = delimiter or next((mark for mark in (";", "\t", ",") if mark in header), ";")
         cells = [cell.strip().strip('"').strip() for cell in header.split(self.written_delimiter)]
@@ -153,9 +155,11 @@ class _RowReader:
 
     def read(self, block: bytes, is_last: bool) -> np.ndarray:
         """The rows of a block, float64 (rows, columns)."""
-        text = self._tidy(block)
-        if is_last and text:
-            text = text.rstrip(b"\n") + b"\n" if text.endswith(b"\n") else self._without_torn_row(text)
+        text = self.waiting + self._tidy(block)
+        rows_end = _end_of_rows(text)
+        text, self.waiting = text[:rows_end], text[rows_end:]  # at the end of the file, what waits is no row
+        if is_last and text and not text.endswith(b"\n"):
+            text = self._without_torn_row(text)
         rows = self._fast(text, len(self.header), self.trailing)
         if rows is None:
             rows = self._only_needed(text)
@@ -288,6 +292,18 @@ class _RowReader:
                         "or leave the column out of the import map"
                     ) from None
         return rows
+
+
+def _end_of_rows(text: bytes) -> int:
+    """The byte at which the blank lines and comments (#, %) at the end of a text begin."""
+    end = len(text)
+    while end:
+        begin = text.rfind(b"\n", 0, end - 1) + 1
+        line = text[begin:end].strip()
+        if line and not line.startswith((b"#", b"%")):
+            break
+        end = begin
+    return end
 
 
 def _sha256(file: BinaryIO) -> str:
