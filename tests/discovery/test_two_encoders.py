@@ -388,7 +388,7 @@ def test_a_draft_says_that_the_second_encoder_was_left_out_for_its_holes(tmp_pat
     trace.write_text("\n".join(["time [s],motor position [rad],output position [rad]", *rows]) + "\n")
     init(str(tmp_path / "machine"), [trace])
     told = " ".join(capsys.readouterr().out.split())
-    assert "output position [rad]: 20 of 5000 cells hold no number, so it is not used" in told
-    assert "remove the rows without a value (the first is data row 701)" in told
+    assert "output position [rad]: 20 of 5000 cells hold no number (the first in line 702), so it is not used" in told
+    assert "to use it, fill in these cells or remove their rows" in told
     assert "output position [rad] cannot be left out: fill in the missing values in" in told
     assert "add its column" not in told

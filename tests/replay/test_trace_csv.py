@@ -7,6 +7,7 @@ import pytest
 
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import NO_DATE
+from ema_bench_replay.traces.trace_table import read_table
 from tests.trace_text import HEADER, ROWS, RPM, refused
 
 
@@ -167,6 +168,25 @@ def test_an_end_of_empty_lines_is_no_row(trace):
 def test_comments_below_the_rows_are_ignored_as_above_the_header(trace, end):
     recording = load(trace(("\n".join([HEADER, *ROWS]) + end).encode()))
     assert len(recording) == 4 and recording.warnings == ()
+
+
+@pytest.mark.parametrize("cell", ["-1.#IO", "1.#QNAN", "nan", "", "OFF", "0,4.1"])
+def test_a_last_row_that_is_no_number_is_left_out_and_said(trace, cell):
+    recording = load(trace(rows=[*ROWS, f"8,0;1.000.010;-20.440;{cell};0,5;"]))
+    assert len(recording) == 4
+    [warning] = recording.warnings
+    assert warning.startswith("run.csv: line 6: the last row is left out, since its column 'C4:Drive_axis_1.r77'")
+
+
+def test_such_a_row_elsewhere_or_alone_is_refused(trace):
+    spoilt = "8,0;1.000.010;-20.440;-1.#IO;0,5;"
+    refused(trace(rows=[*ROWS[:2], spoilt, *ROWS[2:]]), "line 4", "'C4:Drive_axis_1.r77'", "'-1.#IO' is no number")
+    refused(trace(rows=[spoilt]), "line 2", "'-1.#IO' is no number")
+
+
+def test_words_in_a_column_of_words_leave_no_row_out(trace):
+    table = read_table(trace(header="t;state", rows=["0,5;RUN", "1,5;OFF"]), needed=lambda header: ())
+    assert table.columns[0].tolist() == [0.5, 1.5] and table.warnings == ()
 
 
 def test_a_comment_between_rows_is_refused(trace):

@@ -85,7 +85,7 @@ def read_table(
     Above the header there may be comments (#, %), blank lines, quoted texts and lines with other cells than the rows;
     below it a row of units, which are appended to the names in brackets. Blank lines and comments may end the file.
     Columns may be separated by blanks. Times of day and dates are converted to s. An incomplete last row is dropped,
-    with a warning. `delimiter` and `number_format`
+    with a warning, and so is one that lacks a number where all others have one. `delimiter` and `number_format`
     ("german", "english") are detected if they are None. `needed` returns for a header the columns that must hold
     numbers; others may hold words and empty cells. `progress` is called with the share read so far. Raises InputError.
     """
@@ -133,7 +133,7 @@ class _RowReader:
         needed: Callable[[list[str]], Collection[int]],
     ) -> None:
         self.path = path
-        self.line = header_line + 1  # of the next row
+        self.line = self.first_line = header_line + 1  # of the next row
         self.waiting = b""  # blank lines and comments that end the rows read so far
         self.warnings: list[str] = []
         self.written_delimiter = delimiter or next((mark for mark in (";", "\t", ",") if mark in header), ";")
@@ -141,6 +141,7 @@ class _RowReader:
         self.trailing = len(cells) > 1 and not cells[-1]
         self.header = cells[:-1] if self.trailing else cells
         self.needed = sorted(needed(self.header))
+        self.known = np.ones(len(self.header), dtype=bool)  # columns in which all cells so far hold numbers
         # A comma inside quotation marks is part of a number; those between cells become semicolons.
         self.quoted_commas = self.written_delimiter == "," and b'"' in body
         self.delimiter = ";" if self.quoted_commas else self.written_delimiter
@@ -166,6 +167,7 @@ class _RowReader:
         if rows is None:
             rows = self._careful(text, is_last)
         self.line += len(rows)
+        self.known &= np.isfinite(rows).all(axis=0)
         return rows
 
     def _tidy(self, block: bytes) -> bytes:
@@ -211,6 +213,12 @@ class _RowReader:
     def _report_torn(self, line: int) -> None:
         self.warnings.append(
             f"{self.path.name}: line {line}: the last row is cut, so only the rows before it can be used"
+        )
+
+    def _report_unreadable(self, line: int, column: str, cell: str) -> None:
+        holds = f"holds {cell!r}, which is no number" if cell else "is empty"
+        self.warnings.append(
+            f"{self.path.name}: line {line}: the last row is left out, since its column {column!r} {holds}"
         )
 
     def _only_needed(self, text: bytes) -> np.ndarray | None:
@@ -262,16 +270,22 @@ class _RowReader:
         return values.reshape(count, -1) if values.size == count * columns else None
 
     def _careful(self, text: bytes, is_last: bool) -> np.ndarray:
-        """The rows, cell by cell; InputError names the first wrong one."""
+        """The rows, cell by cell; InputError names the first wrong one.
+
+        The file's last row is left out if it holds no number in a column in which all others do, as a logger writes
+        that is switched off meanwhile.
+        """
         lines = text.decode("latin-1").split("\n")[:-1]
         rows = np.empty((len(lines), len(self.header)))
+        unreadable: dict[int, str] = {}  # cells of the last row, by column
         for number, line in enumerate(lines):
             place = f"{self.path}: line {self.line + number}"
+            ends_file = is_last and number == len(lines) - 1
             cells = line.split(self.delimiter)
             if not cells[-1] and (self.trailing or len(cells) == len(self.header) + 1):
                 cells.pop()
             if len(cells) != len(self.header):
-                if is_last and number == len(lines) - 1 and len(cells) < len(self.header):
+                if ends_file and len(cells) < len(self.header):
                     self._report_torn(self.line + number)
                     return rows[:-1]
                 counts = f"has {len(cells)} cell{'s' * (len(cells) != 1)} where the header has {len(self.header)}"
@@ -283,7 +297,10 @@ class _RowReader:
                     if is_time_of_day(cell):
                         rows[number, column] = seconds(cell)
                         continue
-                    if column not in self.needed:
+                    spoilt = ends_file and self.line + number > self.first_line and not _is_number(cell)
+                    if spoilt:
+                        unreadable[column] = cell
+                    if spoilt or column not in self.needed:
                         rows[number, column] = np.nan
                         continue
                     wrong = f"{cell!r} is no number in {self.format.example} format" if cell else "the cell is empty"
@@ -291,7 +308,16 @@ class _RowReader:
                         f"{place}: column {self.header[column]!r}: {wrong}; correct it, remove the row, "
                         "or leave the column out of the import map"
                     ) from None
+        for column, cell in unreadable.items():
+            if self.known[column] and np.isfinite(rows[:-1, column]).all():
+                self._report_unreadable(self.line + len(lines) - 1, self.header[column], cell)
+                return rows[:-1]
         return rows
+
+
+def _is_number(cell: str) -> bool:
+    """Whether a cell is a number in any format."""
+    return any(form.pattern.fullmatch(cell) for form in FORMATS.values())
 
 
 def _end_of_rows(text: bytes) -> int:

@@ -199,10 +199,11 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     for name, count in no_numbers.items():
         if not name and count == rows:
             continue  # the empty column that a delimiter at the end of each line makes
-        said = f"{name or 'a column without a name'}: {count} of {rows} cells hold no number, so it is not used"
+        first = table.line(int(np.flatnonzero(np.isnan(numbers[name]))[0]))
+        where = f" (the first in line {first})" if count < rows else ""
+        said = f"{name or 'a column without a name'}: {count} of {rows} cells hold no number{where}, so it is not used"
         if any(guess.column == name for guess in holed):
-            first = int(np.flatnonzero(np.isnan(numbers[name]))[0]) + 1
-            said += f"; to use it, remove the rows without a value (the first is data row {first})"
+            said += "; to use it, fill in these cells or remove their rows, and run init again"
         say(said)
     for name in guesses.other_motion:
         unit, other = header_words(name).unit, "linear" if guesses.motion == "rotary" else "rotary"
