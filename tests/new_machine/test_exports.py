@@ -110,7 +110,16 @@ def test_what_a_program_exports_is_read_without_editing(tmp_path, kind):
 
 
 @pytest.mark.parametrize("mark", [",", ";", "\t", "  "])
-@pytest.mark.parametrize("above", ["", "# of the press, before it was greased\n\n", "Export of the greased press\n"])
+@pytest.mark.parametrize(
+    "above",
+    [
+        "",
+        "# of the press, before it was greased\n\n",
+        "Export of the greased press\n",
+        "Amplitude: 480.00, 480.00\nBias: 960\n====\nTimePosVelocityCurrent\n",
+        "gains; 2.5; 0.1\nTimePosVelocityCurrent\n",
+    ],
+)
 def test_numbers_without_a_header_are_refused(tmp_path, mark, above):
     file = tmp_path / "run.csv"
     file.write_text(text(above, (TIME, ANGLE, SPEED, CURRENT), mark))
@@ -121,6 +130,15 @@ def test_numbers_without_a_header_are_refused(tmp_path, mark, above):
         init(str(tmp_path / "servo"), [file])
     assert "\n" not in str(refusal.value)
     assert not (tmp_path / "servo_map.yaml").exists()
+
+
+def test_a_header_is_known_by_its_width_below_settings_and_above_a_ruler(tmp_path):
+    file = tmp_path / "run.csv"
+    file.write_text("gains,2.5,0.1\ntime,pos,vel,iq\n0,1,2,3\n1,2,3,4\n")
+    assert read_table(file).header == ["time", "pos", "vel", "iq"]
+    file.write_text("gains,2.5\ntime,pos,vel,iq\n====\n0,1,2,3\n1,2,3,4\n")
+    with pytest.raises(InputError, match="line 3: has 1 cell where the header has 4"):
+        read_table(file)
 
 
 def test_blanks_part_german_numbers_too(tmp_path):

@@ -89,7 +89,7 @@ def _above(lines: list[tuple[str, int]], plain: int, rows: int) -> tuple[int, in
 
     ``rows`` is where the rows begin, ``plain`` the first non-comment line.
 
-    Raises NoHeader if that line is a single text.
+    Raises NoHeader if no line there has as many cells as the rows, unless a line with several is directly above them.
     """
     mark = _delimiter(lines[rows][0])
     whole = len(lines[rows][0].split(mark))
@@ -102,9 +102,12 @@ def _above(lines: list[tuple[str, int]], plain: int, rows: int) -> tuple[int, in
     if not wide(rows - 1, *widths):
         if wide(rows - 1, whole + 1):  # a column of comments that is empty in all rows
             return rows - 1, None
-        if _width(lines[plain][0], mark) == 1:
+        if plain == rows - 1 and _width(lines[plain][0], mark) > 1:  # a name too many or too few
+            return plain, None
+        header = next((k for k in range(rows - 2, plain - 1, -1) if wide(k, *widths)), None)
+        if header is None:
             raise NoHeader(rows + 1, widths[1], mark)
-        return plain, None
+        return header, None
     last, before, first = (_cells(lines[k][0], mark) if k >= 0 else [] for k in (rows - 1, rows - 2, rows - 3))
     if not wide(rows - 2, len(last)):
         return rows - 1, None
