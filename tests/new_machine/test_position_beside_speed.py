@@ -5,7 +5,8 @@ import pytest
 
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.commands.init import run as init
-from ema_twin_sim.new_machine.position_beside_speed import not_summed, unlike_speed
+from ema_twin_sim.new_machine.columns import guess_columns
+from ema_twin_sim.new_machine.position_beside_speed import going_with_speed, not_summed, unlike_speed
 
 TIME = np.arange(2000) * 5e-3
 SPEEDS = {
@@ -76,3 +77,62 @@ def test_init_leaves_it_out_and_says_so_once(tmp_path, capsys):
     assert "motor position: not used: it has nothing in common with the integral of the speed" in told
     assert told.count("motor position") == 1
     assert "motor_position" not in (tmp_path / "m_map.yaml").read_text()
+
+
+def other_axis(size):
+    """A position that drifts and swings with nothing of the speed's."""
+    return size * (0.1 * TIME + np.sin(0.37 * TIME + 1.0) + 0.3 * np.sin(2.9 * TIME))
+
+
+def taken(columns):
+    """The position of motor and of output that `init` takes of these, and those of other axes."""
+    guesses = guess_columns(list(columns), numbers=columns)
+    found = {guess.signal: guess.column for guess in guesses.signals}
+    return found.get("motor_position"), found.get("output_position"), guesses.other_axes
+
+
+@pytest.mark.parametrize("name", SPEEDS)
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_beside_a_speed_the_position_that_goes_with_it_is_the_machines(name, size):
+    """Of a robot's angles, those of its body may go farther."""
+    speed = SPEEDS[name] + 0.1 * NOISE
+    leg = way(SPEEDS[name])
+    columns = {"time [s]": TIME, "yaw angle": other_axis(size * np.ptp(leg)), "leg angle": leg, "speed": speed}
+    assert taken(columns) == ("leg angle", None, ("yaw angle",))
+    del columns["speed"]
+    assert taken(columns)[2] == () and taken(columns)[0] == ("leg angle" if size < 1.0 else "yaw angle")
+
+
+def test_two_shafts_of_one_train_go_with_the_speed_alike_and_travel_decides():
+    motor = way(SPEEDS["both ways"])
+    backlash = motor / 50.0 + 1e-3 * np.sign(SPEEDS["both ways"])
+    columns = {"time [s]": TIME, "theta_one": backlash, "theta_two": motor, "yaw angle": other_axis(1e3)}
+    columns["speed [rad/s]"] = SPEEDS["both ways"]
+    assert taken(columns) == ("theta_two", "theta_one", ("yaw angle",))
+
+
+def test_an_angle_that_starts_again_goes_with_the_speed_all_the_same():
+    wrapped = np.degrees(way(SPEEDS["one way"])) % 360.0
+    assert going_with_speed({"a": wrapped, "b": other_axis(1.0)}, SPEEDS["one way"], TIME) == {"a"}
+
+
+def test_a_clock_that_goes_back_once_hides_nothing():
+    time = np.concatenate([TIME[:700], TIME[:1300]])
+    assert going_with_speed({"a": way(SPEEDS["steps"]), "b": other_axis(1.0)}, SPEEDS["steps"], time) == {"a"}
+
+
+def test_without_any_that_goes_with_the_speed_all_are_possible():
+    names = {"a": np.roll(NOISE, 700), "b": np.roll(NOISE, 300)}
+    assert going_with_speed(names, SPEEDS["both ways"], TIME) == {*names}
+
+
+def test_init_says_which_other_position_was_left_out(tmp_path, capsys):
+    speed = SPEEDS["both ways"]
+    columns = [TIME, other_axis(1e3), way(speed), speed, np.sign(speed) + 0.1 * NOISE]
+    rows = "\n".join(",".join(f"{value:.9g}" for value in row) for row in zip(*columns, strict=True))
+    trace = tmp_path / "trace.csv"
+    trace.write_text(f"time [s],yaw [deg],leg angle [rad],speed [rad/s],current [A]\n{rows}\n")
+    init(str(tmp_path / "m"), [trace])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "yaw [deg]: not used, since leg angle [rad] goes with the speed more" in told
+    assert "motor_position: {columns: ['leg angle \\[rad\\]']" in (tmp_path / "m_map.yaml").read_text()

@@ -39,6 +39,7 @@ from .column_words import (
     TRANSDUCER,
 )
 from .joints import ONE_JOINT, Joint, Numbered, likeness, one_joint, travel
+from .position_beside_speed import going_with_speed
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,7 @@ class Guesses:
     points_doubt: str = ""  # why it is taken for one, if nobody said so
     joint: Joint = ONE_JOINT  # whose columns they are, if a trace holds those of several joints
     other_motion: tuple[str, ...] = ()  # columns not used since their units are those of the other kind of motion
+    other_axes: tuple[str, ...] = ()  # positions not used since another goes with the speed more
 
     @property
     def drives(self) -> bool:
@@ -119,10 +121,10 @@ def guess_columns(
 ) -> Guesses:
     """Guess what each column of a header is.
 
-    Columns in ``no_numbers`` are not used. ``numbers`` are the columns' values, (n,) each: of two positions that move
-    together and whose names give no shaft, the one that goes farther is the motor's. If there are columns of several
-    joints, those of ``joint`` are taken, else those of the joint that goes farthest. Raises InputError if the time has
-    no numbers.
+    Columns in ``no_numbers`` are not used. ``numbers`` are the columns' values, (n,) each: of several positions whose
+    names give no shaft, those that go with the speed most are the machine's, and of two that move together the one that
+    goes farther is the motor's. If there are columns of several joints, those of ``joint`` are taken, else those of the
+    joint that goes farthest. Raises InputError if the time has no numbers.
     """
     names = [header_words(name) for name in header]
     linear = _is_linear(names)
@@ -139,7 +141,7 @@ def guess_columns(
         read.name for read in usable if read.linear not in (None, linear) and _column(read) is not None
     )
     columns = [column for column in map(_column, usable) if column is not None and column.name not in other_motion]
-    taken = _signals(columns, numbers or {})
+    taken, other_axes = _signals(columns, numbers or {}, time)
     supply = None if {"current", "motor_torque"} & taken.keys() else _supply_current(usable, numbers or {})
     if supply is not None:
         taken = {name: {**taken, "current": supply}[name] for name in _ORDER if name in {*taken, "current"}}
@@ -157,7 +159,8 @@ def guess_columns(
     )
     used = {column.name for column in taken.values()}
     left = tuple(name for name in header if name not in used and (time is None or name != time.name))
-    return replace(_timed(time, signals, left, motion), joint=of_joint, other_motion=other_motion)
+    guesses = _timed(time, signals, left, motion)
+    return replace(guesses, joint=of_joint, other_motion=other_motion, other_axes=other_axes)
 
 
 def named_columns(named: Mapping[str, str]) -> Guesses:
@@ -320,8 +323,10 @@ def _numbered(read: HeaderWords) -> Numbered:
     return Numbered(read, None, False) if column is None else Numbered(read, column.quantity, column.setpoint)
 
 
-def _signals(columns: Sequence[_Column], numbers: Mapping[str, np.ndarray]) -> dict[str, _Column]:
-    """The column of each signal that has one."""
+def _signals(
+    columns: Sequence[_Column], numbers: Mapping[str, np.ndarray], time: HeaderWords | None
+) -> tuple[dict[str, _Column], tuple[str, ...]]:
+    """The column of each signal that has one, and the positions that are left out since another goes with the speed."""
     taken: dict[str, _Column] = {}
 
     def of(quantity: str, *, setpoint: bool = False) -> list[_Column]:
@@ -346,8 +351,10 @@ def _signals(columns: Sequence[_Column], numbers: Mapping[str, np.ndarray]) -> d
     positions = of("position")
     outputs = [c for c in positions if c.shaft == "output"]
     unsaid = [c for c in positions if c.shaft == ""]
+    named = any(c.shaft == "motor" for c in positions)
+    elsewhere = [] if named else _of_other_axes(unsaid, taken.get("speed"), time, numbers)
     if numbers:
-        unsaid.sort(key=lambda c: (_has(c.read.words, FILTERED), -travel(c.read, numbers)))
+        unsaid.sort(key=lambda c: (_has(c.read.words, FILTERED), c in elsewhere, -travel(c.read, numbers)))
     take("motor_position", [*(c for c in positions if c.shaft == "motor"), *unsaid])
     if (motor := taken.get("motor_position")) is not None:
         beside = [c for c in unsaid if c is not motor and not _has(c.read.words, FILTERED)]
@@ -357,7 +364,19 @@ def _signals(columns: Sequence[_Column], numbers: Mapping[str, np.ndarray]) -> d
         # a joint's angle without a motor's is taken for the motor's
         if signal not in taken and other in taken and not (signal == "motor_torque" and "current" in taken):
             taken[signal] = taken.pop(other)
-    return {name: taken[name] for name in _ORDER if name in taken}
+    left_out = tuple(c.name for c in elsewhere if c not in taken.values())
+    return {name: taken[name] for name in _ORDER if name in taken}, left_out
+
+
+def _of_other_axes(
+    positions: Sequence[_Column], speed: _Column | None, time: HeaderWords | None, numbers: Mapping[str, np.ndarray]
+) -> list[_Column]:
+    """Those of several positions that go with the speed less than another does; none without a speed and a time."""
+    judged = [c for c in positions if not _has(c.read.words, FILTERED)]
+    if len(judged) < 2 or speed is None or time is None or not numbers:
+        return []
+    going = going_with_speed({c.name: numbers[c.name] for c in judged}, numbers[speed.name], numbers[time.name])
+    return [c for c in judged if c.name not in going]
 
 
 _ORDER = (

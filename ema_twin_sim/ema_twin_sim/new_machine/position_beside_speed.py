@@ -1,15 +1,19 @@
-"""Whether a position that no header explains belongs to the speed beside it: whether it goes where the speed goes."""
+"""Whether a position that no header explains belongs to the speed beside it: whether it goes where the speed goes.
+
+Of several, the one that goes with the speed most is the machine's: others are of another axis, or of the whole robot.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from ema_bench_replay.recording import Recording
+from ema_bench_replay.traces.wrapped_angle import counted_on
 
-from ..criteria import LIKELY, MOSTLY, PART
+from ..criteria import LIKELY, MOSTLY, PART, SMALL
 from ..measured.way_by_speed import FEWEST, travelled_by_speed
 from ..reading_noise import reading_noise
 
@@ -35,6 +39,33 @@ def unlike_speed(recordings: Sequence[Recording]) -> str:
     if not judged or any(_goes_with_speed(recording) for recording in judged):
         return ""
     return "not used: it has nothing in common with the integral of the speed"
+
+
+def going_with_speed(positions: Mapping[str, np.ndarray], speed: np.ndarray, time: np.ndarray) -> frozenset[str]:
+    """The names of the ``positions`` (n,) that go with a ``speed`` (n,) most; all if none does, or with too few rows.
+
+    Several do if they are of one drive train. Units do not matter, nor steps at which a ``time`` (n,) goes back.
+    """
+    known = np.isfinite(speed) & np.isfinite(time)
+    if known.sum() < FEWEST:
+        return frozenset(positions)
+    time, speed = time[known], speed[known]
+    steps = np.diff(time)
+    steps = np.where(steps > 0.0, steps, float(np.median(steps)))
+    travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * steps)])
+    alike = {name: _alike_if_counted_on(values[known], travelled) for name, values in positions.items()}
+    most = max(alike.values(), default=0.0)
+    if most < PART:
+        return frozenset(positions)
+    return frozenset(name for name, likeness in alike.items() if likeness >= (1.0 - SMALL) * most)
+
+
+def _alike_if_counted_on(position: np.ndarray, travelled: np.ndarray) -> float:
+    """How far a position (n,), which may start again after each turn, goes with a displacement (n,)."""
+    known = position[np.isfinite(position)]
+    span = float(np.ptp(known)) if len(known) else 0.0
+    on, turns = counted_on(position, span) if span > 0.0 else (position, 0)
+    return max(_alike(position, travelled), _alike(on, travelled) if turns else 0.0)
 
 
 def _goes_with_speed(recording: Recording) -> bool:
