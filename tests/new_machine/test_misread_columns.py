@@ -35,7 +35,7 @@ def test_a_letter_that_numbers_a_part_is_no_symbol(name):
         ("m1setvel", "speed_setpoint"),
         ("m1vel", "speed"),
         ("m1cur", "current"),
-        ("m1setcur", "current_setpoint"),
+        ("m1setcur", "current"),  # a command, which serves if nothing was measured
         ("m1pos", "motor_position"),
         ("m1trq", "motor_torque"),
         ("M1", "motor_torque"),

@@ -127,7 +127,7 @@ def run(
     guesses = guesses.without(tuple(drafts.left_out)).as_magnitudes(drafts.magnitudes)
     if traces:
         for guess in guesses.signals:
-            say(f"{guess.column} → {guess.signal}{in_unit(guess)}")
+            say(f"{guess.column} → {guess.signal}{in_unit(guess)}{', a command' if guess.command else ''}")
         for column, reason in drafts.left_out.items():
             say(f"{column}: {reason}")
         warn_of_foreign_units(guesses)

@@ -56,6 +56,7 @@ class Guess:
     shaft_doubt: str = ""  # what to check, if the shaft was not in the name
     turned_round: bool = False  # whether its sign is reversed
     magnitude: bool = False  # whether it has no sign
+    command: bool = False  # whether it is a command in place of a measurement
 
     @property
     def shaft(self) -> str:
@@ -142,6 +143,11 @@ def guess_columns(
     )
     columns = [column for column in map(_column, usable) if column is not None and column.name not in other_motion]
     taken, other_axes = _signals(columns, numbers or {}, time)
+    command = None if {"current", "motor_torque"} & taken.keys() else _command(columns, numbers or {})
+    if command is not None:
+        signal = "motor_torque" if command.quantity == "torque" else "current"
+        besides = {name: column for name, column in taken.items() if column is not command}
+        taken = {name: {**besides, signal: command}[name] for name in _ORDER if name in {*besides, signal}}
     supply = None if {"current", "motor_torque"} & taken.keys() else _supply_current(usable, numbers or {})
     if supply is not None:
         taken = {name: {**taken, "current": supply}[name] for name in _ORDER if name in {*taken, "current"}}
@@ -154,6 +160,7 @@ def guess_columns(
             column.shaft == "output" or (signal == "load_torque" and column.shaft == ""),
             of_motor=column.shaft == "motor",
             magnitude=column is supply,
+            command=column is command,
         )
         for signal, column in taken.items()
     )
@@ -302,6 +309,15 @@ def _column(read: HeaderWords) -> _Column | None:
         "output" if _has(words, OUTPUT) else "motor" if _has(words[1:], MOTOR) or _has(words[:1], "motor|rotor") else ""
     )
     return _Column(read, quantity, desired or _has(words, SETPOINT), _has(words, ACTUAL), shaft)
+
+
+def _command(columns: Sequence[_Column], numbers: Mapping[str, np.ndarray]) -> _Column | None:
+    """A command of the torque, or else of the current, that changes: it serves if neither was measured."""
+    commands = [c for c in columns if c.setpoint and not (c.name in numbers and np.ptp(numbers[c.name]) == 0.0)]
+    torques = [c for c in commands if c.quantity == "torque"]
+    currents = sorted((c for c in commands if c.quantity == "current"), key=lambda c: not _quadrature(c.read.words))
+    found = sorted(torques, key=lambda c: c.shaft == "output") or currents
+    return min(found, key=lambda c: _has(c.read.words, FILTERED), default=None)
 
 
 def _supply_current(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> _Column | None:

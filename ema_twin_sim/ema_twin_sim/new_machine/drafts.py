@@ -86,7 +86,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     if left_out:
         guesses = guesses.without(tuple(left_out))
         recordings = _read(draft_map(guesses, of, shaft), traces)
-    assumed, shown = [], []
+    assumed, shown = [_followed(guess) for guess in guesses.signals if guess.command], []
     drives = ", ".join(g.column for g in guesses.signals if g.signal in _DRIVE and not g.magnitude and guesses.drives)
     turned_drive = any(guess.turned_round for guess in guesses.signals if guess.signal in _DRIVE)
     if falls_with_load(recordings):
@@ -160,6 +160,15 @@ def _no_sign(guess: Guess) -> str:
         f"{guess.column}: never negative, so it looks like a magnitude without sign (`magnitude: true` in the map), "
         "which serves to judge health and drives no twin; record the motor's current with its sign, or take the mark "
         "away if a load that always pulls one way keeps it positive"
+    )
+
+
+def _followed(guess: Guess) -> str:
+    """That a command stands in place of a measurement."""
+    measured = "torque" if guess.signal == "motor_torque" else "current"
+    return (
+        f"{guess.column}: a command, which the drive is assumed to follow, since no measured torque or current was "
+        f"found (if the drive measures its {measured}, record that too)"
     )
 
 

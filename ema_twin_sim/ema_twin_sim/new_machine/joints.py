@@ -73,11 +73,17 @@ def one_joint(
 
 
 def _joints(columns: Sequence[Numbered], numbers: Mapping[str, np.ndarray]) -> dict[str, HeaderWords]:
-    """The column with the motion of each joint, by number; a joint has both a current or torque and a motion."""
+    """The column with the motion of each joint, by number; a joint has both a current or torque and a motion.
+
+    A command of the current or torque counts if none was measured.
+    """
     found: dict[str, dict[str, HeaderWords]] = {}
+    commanded = not any(column.quantity in _DRIVES and not column.setpoint for column in columns)
     for column in columns:
         digits = _numbers_in(column.read)
-        if len(digits) == 1 and column.quantity and not column.setpoint and column.read.name in numbers:
+        if column.setpoint and not (commanded and column.quantity in _DRIVES):
+            continue
+        if len(digits) == 1 and column.quantity and column.read.name in numbers:
             found.setdefault(digits[0], {}).setdefault(column.quantity, column.read)
     return {
         number: held.get("position", held.get("speed", next(iter(held.values()))))

@@ -74,7 +74,8 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
     unit = guess.unit or signal_unit(guess.signal, motion)
     unsure = guess.doubt if guess.unit else _unit_doubt(guess.column)
     size = "looks like a magnitude without sign: drives no twin" if guess.magnitude else ""
-    doubt = look("; ".join(filter(None, (unsure, sign if of_load else "", size)))) or shown
+    command = "a command: the drive is assumed to follow it" if guess.command else ""
+    doubt = look("; ".join(filter(None, (unsure, sign if of_load else "", size, command)))) or shown
     if of_position and not doubt and not of_output and motion != "linear":
         doubt = "  # at the motor's shaft; add `shaft: output` if it is the output's"
     return (
