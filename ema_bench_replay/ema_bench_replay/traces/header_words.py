@@ -1,7 +1,8 @@
 """Split a column's name into its words in plain letters and its unit.
 
 People write units in brackets, after a slash, a comma, an underscore or the word "in", in English or German; symbols
-come in Greek letters, with subscripts, or with a dot for a rate.
+come in Greek letters, with subscripts, or with a dot for a rate. Behind a name in letters that are neither Latin nor
+Greek, as in Chinese, a unit needs no mark between.
 """
 
 from __future__ import annotations
@@ -81,6 +82,9 @@ _SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 _COUNTS_AS_UNITS = frozenset({"pulse", "increment", "step", "steps", "edges", "schritte", "qc"})
 """Words for counts where a unit stands, in brackets or in a row of units; elsewhere they are parts of names."""
+
+_OF_NO_SIGNAL = frozenset({"w", "kw", "va", "kva", "var", "kvar"})
+"""Units of power behind a name in other letters."""
 
 _UNIT_OF = {spelling: unit for unit, (_, spellings) in _SPELLINGS.items() for spelling in spellings}
 _SUPERSCRIPTS = str.maketrans({"⁻": "-", "¹": "1", "²": "2", "μ": "µ", "º": "°", "⋅": "·", "∙": "·"})
@@ -163,12 +167,36 @@ def _without_unit(text: str) -> tuple[str, str | None, bool, str]:
             return text[: found.start()] + " " + text[found.end() :], unit, False, ""
         foreign = foreign or found[1]
     plain = _BRACKETS.sub(" ", text).strip() or text
+    name, tail = _without_glued_unit(plain)
+    if unit := _unit_in_its_place(tail):
+        return name, unit, False, ""
+    foreign = foreign or (tail if tail.lower() in _OF_NO_SIGNAL else "")
     for mark in re.finditer(r"\s+in\s+|\s*[,/]\s*|\s+|(?<=[^\s_])_+", plain):
         before, after = plain[: mark.start()].strip(" /,_"), plain[mark.end() :]
         unit = _unit(after) or _unit_in_underscores(after)
         if unit and before:
             return before, unit, mark[0] == "_" and after.lower() in _SUBSCRIPTS, ""
     return plain, None, False, foreign
+
+
+def in_other_letters(text: str) -> bool:
+    """Whether a text has letters that are neither Latin nor Greek, nor marks of units, such as Chinese ones."""
+    return any(map(_is_other_letter, unicodedata.normalize("NFC", text)))
+
+
+def _is_other_letter(letter: str) -> bool:
+    known = ("LATIN ", "GREEK ", "MICRO ", "DEGREE ", "OHM ", "MASCULINE ", "FEMININE ")
+    return letter.isalpha() and not unicodedata.name(letter, "LATIN ").startswith(known)
+
+
+def _without_glued_unit(text: str) -> tuple[str, str]:
+    """A name in other letters, and the Latin letters or degree sign directly behind it; the latter empty without."""
+    begins = [
+        place
+        for place in range(1, len(text))
+        if _is_other_letter(text[place - 1]) and re.match(r"[A-Za-zµ°]", text[place])
+    ]
+    return (text[: begins[-1]], text[begins[-1] :]) if begins else (text, "")
 
 
 def _unit_in_underscores(text: str) -> str | None:

@@ -60,7 +60,9 @@ TIME_WORDS = (
     r"^(t|time|zeit|timestamp|zeitstempel|elapsed|mess|messzeit|laufzeit|uhrzeit|stamp|rel|abs|relative|since|start|unix"
     r"|temps|tempo|tiempo)$"
 )
-POWER_UNIT = r"[umk\u00b5]?W|k?VA|VAr"
+TIME_IN_OTHER_LETTERS = r"時間|时间|時刻|时刻|시간|время"
+"""The same in Chinese, Japanese, Korean and Russian."""
+POWER_UNIT = r"[umk\u00b5]?W|k?VA[rR]?|k?var"
 """Units of power, which no signal has."""
 ACCELERATION_UNIT = r"m?g|g_?n|G|k?(m|rad|deg|\u00b0)\s*/\s*s(\^?2|\u00b2)|(m|rad|deg)\s*s\^?-2"
 """Units of acceleration, which no signal has either."""

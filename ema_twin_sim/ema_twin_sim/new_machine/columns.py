@@ -14,11 +14,12 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import AT_EITHER_SHAFT, MAY_BE_MAGNITUDES
-from ema_bench_replay.traces.header_words import COUNTS, HeaderWords, header_words
+from ema_bench_replay.traces.header_words import COUNTS, HeaderWords, header_words, in_other_letters
 from ema_bench_replay.traces.import_map import TIME_UNITS
 from ema_bench_replay.units import units_of
 
 from ..criteria import SMALL
+from .clock import is_uneven
 from .column_words import (
     ACCELERATION_UNIT,
     ACTUAL,
@@ -35,6 +36,7 @@ from .column_words import (
     STEMS,
     SUPPLY,
     SYMBOLS,
+    TIME_IN_OTHER_LETTERS,
     TIME_WORDS,
     TRANSDUCER,
 )
@@ -264,13 +266,15 @@ def contradicted_quantity(name: str) -> str:
 def _time_column(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> HeaderWords | None:
     """The time column: by its name, or by a unit of time; of several, the first that rises.
 
-    One with both is the clock even if it does not rise: reading it tells what is wrong with it.
+    One with both is the clock even if it does not rise: reading it tells what is wrong with it. One with the unit alone
+    must go in even steps, as a clock does: the slip of a motor may be given in s as well.
     """
     called = [read for read in names if _is_time(read)]
     others = [read for read in names if read.quantity == "time" and read not in called]
     if called and not numbers:
         return called[0]
     rising = [read for read in (*called, *others) if read.name in numbers and (np.diff(numbers[read.name]) > 0.0).all()]
+    rising = [read for read in rising if read in called or not is_uneven(numbers[read.name])]
     clocks = [read for read in called if read.quantity == "time"]
     return next(iter((*(read for read in rising if read in called), *clocks, *rising, *called)), None)
 
@@ -278,6 +282,8 @@ def _time_column(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]
 def _is_time(read: HeaderWords) -> bool:
     if read.quantity not in ("time", None) or read.foreign:
         return False
+    if not read.words and in_other_letters(read.name):
+        return re.search(TIME_IN_OTHER_LETTERS, read.name.lower()) is not None
     known = all(re.search(TIME_WORDS, word) for word in read.words) and bool(read.words or read.quantity)
     if read.quantity == "time":
         # the x axis of a plot is time if its unit is one of time

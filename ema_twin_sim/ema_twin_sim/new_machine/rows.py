@@ -10,13 +10,13 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.traces.import_map import TIME_UNITS
 
-from ..criteria import ALL_BUT_SPIKES, MOSTLY, NEARLY_ALL, NEGLIGIBLE, PART
+from ..criteria import ALL_BUT_SPIKES, NEARLY_ALL, NEGLIGIBLE, PART
 from ..measured.way_by_speed import steady_factor
 from ..model.constants import CONSTANTS
+from .clock import is_uneven
 from .columns import Guesses
 
 _SERIES = 500  # rows; fewer may be operating points, one after the other
-_CLOCKED = 2.0  # a clock's time steps are between the usual step over this and times this
 
 
 def with_kind_of_rows(guesses: Guesses, numbers: Mapping[str, np.ndarray], said: bool) -> Guesses:
@@ -53,7 +53,7 @@ def _why_points(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> str:
     if guesses.time is None:
         return ""
     time = numbers[guesses.time.column]
-    if not _uneven(time):
+    if not is_uneven(time):
         return ""
     known = _by_signal(guesses, numbers)
     if _rested(known):
@@ -89,15 +89,6 @@ def _is_time_series(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> bool
 
 def _by_signal(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     return {guess.signal: numbers[guess.column] for guess in guesses.signals}
-
-
-def _uneven(time: np.ndarray) -> bool:
-    """Whether many steps of a time (n,) are far from the usual one; a clock that only drops some samples has few."""
-    steps = np.diff(time)
-    usual = float(np.median(steps))
-    if usual <= 0.0:
-        return False
-    return float(np.mean((steps > usual / _CLOCKED) & (steps < _CLOCKED * usual))) < MOSTLY
 
 
 def _rested(known: Mapping[str, np.ndarray]) -> bool:
