@@ -31,6 +31,7 @@ from .model_draft import ModelDraft, draft_model, farthest
 from .position_beside_speed import not_summed, unlike_speed
 from .rows import may_be_points
 from .shaft import Shaft, is_possible, position_shaft, ratio_of_positions, too_slow_for_a_motor
+from .torque_beside_current import not_proportional
 from .unit_questions import questions_about_units
 from .unsigned_drive import unsigned_signals
 
@@ -79,6 +80,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     not_load = f"not used as the load: {reason}" if reason else ""
     of_signal = {
         "load_torque": not_load,
+        "current": _not_the_motors(recordings, guesses, given),
         "motor_position": not_summed(recordings) or _standing(recordings) or unlike_speed(recordings),
         "output_position": _of_no_gear(recordings, guesses),
     }
@@ -181,6 +183,24 @@ def _no_load(recordings: Sequence[Recording], motion: str) -> str:
             f"it is {constant} times the current, so the drive computed it (give --torque-constant to use that factor)"
         )
     return "" if follows_load(recordings) else "the drive's torque does not follow it"
+
+
+def _not_the_motors(recordings: Sequence[Recording], guesses: Guesses, given: Given) -> str:
+    """Why a current is not used: a torque in a known unit is beside it and does not go with it; else empty.
+
+    With a given torque constant, the user has said that it is the motor's.
+    """
+    torque = next((guess for guess in guesses.signals if guess.signal == "motor_torque"), None)
+    if torque is None or torque.unit is None or torque.magnitude or given.torque_constant is not None:
+        return ""
+    share = not_proportional(recordings)
+    if share is None:
+        return ""
+    return (
+        f"not used: {torque.column} is not proportional to it ({100.0 * share:.0f} % is left), so that is used as the "
+        "motor's torque (if this is the motor's current, give --torque-constant; if the torque is a load sensor's "
+        "behind the machine, say so in its name, as in 'load torque [N m]', and run init again)"
+    )
 
 
 def _standing(recordings: Sequence[Recording]) -> str:
