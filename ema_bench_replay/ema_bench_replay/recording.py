@@ -53,6 +53,10 @@ AT = "_at"
 MAY_BE_MAGNITUDES = ("current", "motor_torque")
 KIND = "_kind"
 
+#: If a file has none of the columns from which its import map reads a position, the speed, the current or the torque,
+#: the recording's metadata hold their names under the signal's name + LACKED.
+LACKED = "_lacked"
+
 #: Key of a recording's metadata: the test (a day, a mounting) that the run belongs to.
 TEST = "test"
 

@@ -9,6 +9,7 @@ from ema_bench_replay.configuration import configuration_names
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.traces.import_map import Column, load_map
+from ema_bench_replay.traces.lacked_columns import lacked_columns
 from ema_twin_sim.model.matching import matched
 from tests.one_line import refused_in_one_line
 
@@ -187,3 +188,25 @@ def test_a_header_that_tells_another_unit_than_the_map_is_warned_of(own, tmp_pat
         assert "in deg; write `unit: rad` into the map" in warning
     converted = text.replace("unit: deg", "factor: 57.3")  # what a map converts by itself is its own business
     assert load(path, import_map=own(converted, "converted.yaml")).warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("header", "told"),
+    [
+        ("t,q,torq", "run.csv has no column 'tau' (motor torque), which the map 'own' reads"),
+        ("t,q,tau", ""),
+        ("t,tau", ""),
+    ],
+)
+def test_a_column_that_a_file_lacks_is_named_for_what_needs_it(tmp_path, header, told):
+    (tmp_path / "own.yaml").write_text(
+        "version: 1\ntime: {column: '^t$', unit: s}\nsignals:\n"
+        "  motor_torque: {columns: [tau], unit: N m}\n  motor_position: {columns: [q], unit: rad}\n"
+    )
+    cells = header.count(",") + 1
+    rows = [",".join([f"{row}.5"] * cells) for row in range(5)]
+    (tmp_path / "run.csv").write_text("\n".join([header, *rows, ""]))
+    recording = load(tmp_path / "run.csv", import_map=tmp_path / "own.yaml")
+    said = lacked_columns(recording, ("current", "motor_torque"))
+    assert said.startswith(told) and bool(said) == bool(told)
+    assert ("'q'" in lacked_columns(recording, ("motor_position",))) == ("q" not in header)

@@ -25,7 +25,7 @@ from ema_bench_replay.long_columns import (
     steps_where,
     times,
 )
-from ema_bench_replay.recording import AT, KIND, MOTION, POINTS, Recording
+from ema_bench_replay.recording import AT, KIND, LACKED, MOTION, POINTS, Recording
 from ema_bench_replay.traces.counters import unwrap_counts
 from ema_bench_replay.traces.header_units import contradicted_unit
 from ema_bench_replay.traces.import_map import TIME_UNITS, Column, ImportMap, SignalMap
@@ -218,7 +218,7 @@ class _Trace:
         header, read = self.table.header, self.map.places(self.table.header)
         spare = {name.lower(): name for place, name in enumerate(header) if name and place not in read}
         signal_words = signal.signal.replace("_", " ")
-        missed = " or ".join(repr(column.plain) for column in signal.columns)
+        missed = _named(signal)
         near = [
             spare[name]
             for column in signal.columns
@@ -332,6 +332,7 @@ class _Trace:
         return {
             **{f"{signal}{AT}": "output" for signal in at_output},
             **{f"{s.signal}{KIND}": "magnitude" for s in self.map.signals if s.magnitude and s.signal in self.columns},
+            **{f"{s.signal}{LACKED}": _named(s) for s in self.map.signals if s.signal in _NEEDED - {*self.columns}},
             **({MOTION: self.map.motion} if self.map.motion != "rotary" else {}),
             **({POINTS: "yes"} if self.map.of_points else {}),
             "source": self.table.path.name,
@@ -343,6 +344,11 @@ class _Trace:
 
     def _warn(self, message: str) -> None:
         self.warnings.append(f"{self.table.path.name}: {message}")
+
+
+def _named(signal: SignalMap) -> str:
+    """The columns from which a map reads a signal, in words."""
+    return " or ".join(repr(column.plain) for column in signal.columns)
 
 
 def _stamps(time: np.ndarray, unit: str) -> np.ndarray:

@@ -49,6 +49,7 @@ def run(
 
 def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
     from ema_bench_replay.long_columns import extremes, mean_of
+    from ema_bench_replay.recording import LACKED
 
     from .inputs import load_runs, write_json
 
@@ -74,7 +75,7 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
         if not points:
             say(f"sample period {quantity(recording.sample_period, 's')}; {number_of(len(recording.gaps), 'gap')}")
         for key, value in recording.metadata.items():
-            if "\n" not in value and len(value) < 200:
+            if "\n" not in value and len(value) < 200 and not key.endswith(LACKED):  # a warning tells that
                 say(f"  {key}: {value}")
         contents.append(
             {

@@ -8,6 +8,7 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import KIND, Recording
+from ema_bench_replay.traces.lacked_columns import lacked_columns
 from ema_bench_replay.units import signal_unit
 
 POSITIONS = ("output_position", "motor_position")
@@ -54,7 +55,8 @@ class MotionRecord:
         effort = next((name for name in EFFORTS if recording.has(name)), None)
         if place is None or effort is None:
             lacks = "position" if place is None else "current and no motor_torque"
-            raise InputError(f"{recording.name}: holds no {lacks}; record it, since health is judged by both")
+            lacked = lacked_columns(recording, POSITIONS if place is None else EFFORTS)
+            raise InputError(f"{recording.name}: holds no {lacks}, by which health is judged; {lacked or 'record it'}")
         signals = recording.signals
         both = place == "output_position" and recording.has("motor_position")
         origin = {"output_position": recording.output_angle_origin, "motor_position": recording.motor_angle_origin}[

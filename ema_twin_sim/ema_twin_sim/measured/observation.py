@@ -16,6 +16,7 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
+from ema_bench_replay.traces.lacked_columns import lacked_columns
 
 from ..criteria import (
     CHAOTIC,
@@ -146,9 +147,10 @@ def observe(recording: Recording, model: Model, widest: float = math.inf, *, bri
         return _observe_points(recording, model)
     missing = _missing(recording)
     if missing:
+        lacked = lacked_columns(recording, [*missing, *(["motor_torque"] if "current" in missing else [])])
         raise InputError(
-            f"{recording.name}: has no {' and no '.join(missing)}; without it no missing effect can be told "
-            f"(it holds {', '.join(recording.signals)})"
+            f"{recording.name}: has no {' and no '.join(missing)}; without it no missing effect can be told"
+            + (f"; {lacked}" if lacked else f" (it holds {', '.join(recording.signals)})")
         )
     if len(recording) < FEWEST:
         raise InputError(f"{recording.name}: {len(recording)} samples are too few to tell anything")

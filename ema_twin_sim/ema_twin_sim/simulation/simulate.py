@@ -10,6 +10,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.long_columns import Column, is_long, pieces
 from ema_bench_replay.recording import Recording
+from ema_bench_replay.traces.lacked_columns import lacked_columns
 
 from ..model import Model
 from ..model.own_units import shown
@@ -56,11 +57,12 @@ def choose_input(recording: Recording, model: Model, wanted: str | None = None) 
     if chosen not in DRIVING:
         raise InputError(f"input '{chosen}' is not known; give setpoint, current or command")
     if wanted is None and not recording.has(DRIVING[chosen]):  # neither a speed setpoint nor a current
-        raise InputError(
-            f"{recording.name}: has no current and no torque of the drive, which a twin needs; it holds "
-            f"{', '.join(recording.signals)}. Map a column as current or motor_torque; a voltage that commands the "
-            "torque is mapped as motor_torque with a `gain`"
+        lacked = lacked_columns(recording, ("current", "motor_torque"))
+        remedy = lacked or (
+            f"it holds {', '.join(recording.signals)}. Map a column as current or motor_torque; a voltage that "
+            "commands the torque is mapped as motor_torque with a `gain`"
         )
+        raise InputError(f"{recording.name}: has no current and no torque of the drive, which a twin needs; {remedy}")
     if not recording.has(DRIVING[chosen]):
         raise InputError(
             f"{recording.name}: has no {DRIVING[chosen]}, which drives the twin under --input {chosen}; "
