@@ -46,8 +46,8 @@ def test_few_rows_or_none_tell_nothing():
     assert not_proportional([none]) is None
 
 
-def drafted(tmp_path, kind, name="Torque (N·m)", **given):
-    columns = {"Time (s)": TIME, name: TORQUE, "Current (A)": CURRENTS[kind], "Speed (rad/s)": SPEED}
+def drafted(tmp_path, kind, name="Torque (N·m)", current="Current (A)", **given):
+    columns = {"Time (s)": TIME, name: TORQUE, current: CURRENTS[kind], "Speed (rad/s)": SPEED}
     rows = "\n".join(",".join(f"{value:.9g}" for value in row) for row in zip(*columns.values(), strict=True))
     (tmp_path / "run.csv").write_text(",".join(columns) + "\n" + rows + "\n")
     init(str(tmp_path / "m"), [tmp_path / "run.csv"], **given)
@@ -67,6 +67,11 @@ def test_the_torque_is_used_and_said_if_the_current_is_not_the_motors(tmp_path, 
 @pytest.mark.parametrize("name", ["load torque [N m]", "torque sensor [N m]", "brake torque [N m]", "torque"])
 def test_a_torque_named_a_load_or_without_a_unit_leaves_the_current(tmp_path, name):
     assert "  current: " in drafted(tmp_path, "supply", name)
+
+
+@pytest.mark.parametrize("name", ["motor current [A]", "iq [A]", "I_q [A]", "Motorstrom [A]"])
+def test_a_current_named_the_motors_is_used(tmp_path, name):
+    assert "  current: " in drafted(tmp_path, "magnetising", current=name)
 
 
 def test_a_given_torque_constant_leaves_the_current(tmp_path):

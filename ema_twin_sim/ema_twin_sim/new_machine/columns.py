@@ -321,7 +321,7 @@ def _command(columns: Sequence[_Column], numbers: Mapping[str, np.ndarray]) -> _
     """A command of the torque, or else of the current, that changes: it serves if neither was measured."""
     commands = [c for c in columns if c.setpoint and not (c.name in numbers and np.ptp(numbers[c.name]) == 0.0)]
     torques = [c for c in commands if c.quantity == "torque"]
-    currents = sorted((c for c in commands if c.quantity == "current"), key=lambda c: not _quadrature(c.read.words))
+    currents = sorted((c for c in commands if c.quantity == "current"), key=lambda c: not is_quadrature(c.read.words))
     found = sorted(torques, key=lambda c: c.shaft == "output") or currents
     return min(found, key=lambda c: _has(c.read.words, FILTERED), default=None)
 
@@ -365,7 +365,7 @@ def _signals(
     take("motor_torque", [c for c in torques if c not in behind])
     take("load_torque", behind)
     for signal, setpoint in (("current", False), ("current_setpoint", True)):
-        take(signal, sorted(of("current", setpoint=setpoint), key=lambda c: not _quadrature(c.read.words)))
+        take(signal, sorted(of("current", setpoint=setpoint), key=lambda c: not is_quadrature(c.read.words)))
     take("voltage", of("voltage"))
     take("speed", of("speed"))
     take("speed_setpoint", of("speed", setpoint=True))
@@ -427,7 +427,8 @@ def _measured_behind(torque: _Column) -> bool:
     return _has(torque.read.words, TRANSDUCER)
 
 
-def _quadrature(words: Sequence[str]) -> bool:
+def is_quadrature(words: Sequence[str]) -> bool:
+    """Whether the words of a current's name are those of the quadrature axis, which makes a motor's torque."""
     return "q" in words or "iq" in words
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError, TimeGoesBackError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import AT_EITHER_SHAFT, MOTION, Recording
+from ema_bench_replay.traces.header_words import header_words
 from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.units import unit_in
 
@@ -24,7 +25,7 @@ from ..measured.way_by_speed import standing_position
 from ..model import load_model
 from ..model.constants import CONSTANTS
 from ..quantities import quantity
-from .columns import Guess, Guesses
+from .columns import Guess, Guesses, is_quadrature
 from .given import Given
 from .map_draft import draft_map
 from .model_draft import ModelDraft, draft_model, farthest
@@ -188,18 +189,21 @@ def _no_load(recordings: Sequence[Recording], motion: str) -> str:
 def _not_the_motors(recordings: Sequence[Recording], guesses: Guesses, given: Given) -> str:
     """Why a current is not used: a torque in a known unit is beside it and does not go with it; else empty.
 
-    With a given torque constant, the user has said that it is the motor's.
+    It is used nevertheless if its name says that it is the motor's, or a torque constant was given.
     """
-    torque = next((guess for guess in guesses.signals if guess.signal == "motor_torque"), None)
-    if torque is None or torque.unit is None or torque.magnitude or given.torque_constant is not None:
+    found = {guess.signal: guess for guess in guesses.signals}
+    current, torque = found.get("current"), found.get("motor_torque")
+    if current is None or torque is None or torque.unit is None or torque.magnitude:
+        return ""
+    if given.torque_constant is not None or current.of_motor or is_quadrature(header_words(current.column).words):
         return ""
     share = not_proportional(recordings)
     if share is None:
         return ""
     return (
         f"not used: {torque.column} is not proportional to it ({100.0 * share:.0f} % is left), so that is used as the "
-        "motor's torque (if this is the motor's current, give --torque-constant; if the torque is a load sensor's "
-        "behind the machine, say so in its name, as in 'load torque [N m]', and run init again)"
+        "motor's torque (if this is the motor's current, or the torque is a load sensor's behind the machine, say so "
+        "in its name, as in 'motor current [A]' or 'load torque [N m]', and run init again)"
     )
 
 
