@@ -141,6 +141,14 @@ def test_a_header_is_known_by_its_width_below_settings_and_above_a_ruler(tmp_pat
         read_table(file)
 
 
+def test_lists_in_cells_are_refused_with_what_to_write(tmp_path):
+    file = tmp_path / "run.csv"
+    rows = [f'on,{20 * row}.5,"[0.1, -0.{row}]","[1.5, {row}.25]"' for row in range(30)]
+    file.write_text("\n".join(["state,timestamp,positions,torques", *rows, ""]))
+    with pytest.raises(InputError, match=r"run\.csv: torques, positions: no cell holds one number .* column for each"):
+        init(str(tmp_path / "servo"), [file])
+
+
 def test_blanks_part_german_numbers_too(tmp_path):
     file = tmp_path / "run.txt"
     file.write_text("Zeit  Lage   Strom\n  0,00   1,5  -0,25\n  0,01  -2,5   1e-3  \n")

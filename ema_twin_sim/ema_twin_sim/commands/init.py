@@ -228,6 +228,11 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
                 f"{trace}: is a Siemens drive's trace, which needs no map; leave init out: "
                 f"ema-twin info {quote(str(trace))}"
             )
+        if empty_signals := [guess.column for guess in guess_columns(table.header).signals if guess.column in empty]:
+            raise InputError(
+                f"{trace}: {', '.join(empty_signals)[:150]}: no cell holds one number by itself (lists hold several); "
+                "write a column for each number, as in 'motor position [rad]', and run init again"
+            )
         raise InputError(
             f"{trace}: header: no column recognised among {', '.join(table.header)[:150]}; rename them, as in "
             "'time [s]', 'current [A]', 'motor position [rad]'"
