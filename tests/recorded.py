@@ -24,3 +24,9 @@ def with_signals(recording, signals, stamps=None):
         motor_angle_origin=recording.motor_angle_origin,
         output_angle_origin=recording.output_angle_origin,
     )
+
+
+def scaled(recording, **factors):
+    """The recording with these signals times these factors."""
+    signals = dict(recording.signals)
+    return with_signals(recording, {**signals, **{name: f * signals[name] for name, f in factors.items()}})

@@ -16,11 +16,12 @@ ROUNDING = 1e-4  # smaller ones, and the reciprocals of such, keep arithmetic fr
 METHOD = {
     "measured/balance_estimate.py": "FIRST_WIDTH LEAST_WIDTH PASSES KERNEL ROWS LOADS",
     "measured/bandwidth.py": "NARROWER",
-    "measured/consistency.py": "PIECE DEGREES RPM TURN SETPOINT",
+    "measured/drive_regression.py": "PIECE",
     "measured/folds.py": "FEWEST_OF_BOTH BLOCKS",
     "measured/load_sensor.py": "_WIDTH _SHARE _ENDS _FEWEST_POINTS _SPEED _MOTION",
     "measured/observation.py": "START JITTER LEAST_NOISE LARGEST",
     "measured/order_spectrum.py": "_ANGLE_BINS _LARGEST _FINER",
+    "measured/signal_factors.py": "DEGREES RPM TURN SETPOINT",
     "measured/smoothed_motion.py": "WIDTH COUNTER_WIDTH COUNTER_SPEED_WIDTH COUNTER_PULL LEAST_PERIODS FEWEST",
     "measured/smoothing.py": "REACH DERIVATIVE_REACH",
     "measured/spoilt_samples.py": "FEWEST TOLD ROUNDING NEIGHBOURS",

@@ -5,13 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from recorded import with_signals
+from recorded import scaled, with_signals
 
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.fitting.fit import fit_model
-from ema_twin_sim.measured import consistency
 from ema_twin_sim.measured.consistency import inconsistencies, told_once
 from ema_twin_sim.model.matching import matched
 from ema_twin_sim.model.own_units import OwnUnits, model_in, recording_in
@@ -24,11 +23,6 @@ DEGREE = math.pi / 180.0
 @pytest.fixture(scope="module")
 def driven(stock):
     return virtual_bench(stock, parse_command("sine:0.02:2"), 5.0, name="driven", seed=1)
-
-
-def scaled(recording, **factors):
-    signals = dict(recording.signals)
-    return with_signals(recording, {**signals, **{name: f * signals[name] for name, f in factors.items()}})
 
 
 def test_signals_that_fit_each_other_are_left_in_peace(driven, stock):
@@ -78,13 +72,6 @@ def test_nothing_is_fitted_to_it(driven, stock):
     assert any("speed were in rpm" in warning for warning in compare([wrong], stock).warnings)
 
 
-def test_a_disturbance_is_no_wrong_unit(stock):
-    """Cogging accelerates the motor, and the current follows it late: its slope to the acceleration is anything."""
-    cogging = stock.with_effect("cogging", {"torque": 0.1})
-    slow = virtual_bench(cogging, parse_command("ramp:0.01"), 10.0, name="slow", seed=2)
-    assert not list(inconsistencies(slow, stock))
-
-
 def test_an_output_that_hardly_follows_is_no_wrong_count(stock):
     """Within its play the output rests: no factor, and none is named."""
     play = stock.with_effect("backlash", {"width": 0.5})
@@ -96,54 +83,6 @@ def test_a_gap_in_a_signal_hides_nothing(driven, stock):
     speed = driven.signals["speed"] * 30.0 / math.pi
     holed = with_signals(driven, {**driven.signals, "speed": np.where(driven.time > 2.0, speed, np.nan)})
     assert "speed were in rpm" in str(next(inconsistencies(replace(holed, name="holed"), stock)))
-
-
-@pytest.mark.parametrize("load", ["spring_load", "gravity_load"])
-def test_a_load_that_the_model_knows_is_no_inertia(stock, load):
-    """A spring moves a sine against its acceleration: only beside it does the current's sign tell."""
-    size = {"spring_load": {"stiffness": 20.0}, "gravity_load": {"torque": 2.0, "angle": 0.0}}[load]
-    loaded = stock.with_effect(load, size)
-    swung = virtual_bench(loaded, parse_command("sine:0.05:1"), 5.0, name="swung", seed=4, origins=(0.0, 0.0))
-    assert not list(inconsistencies(swung, loaded))
-    turned = scaled(swung, current=-1.0, current_setpoint=-1.0)
-    turned = replace(turned, output_angle_origin=swung.output_angle_origin)
-    assert "sign were turned round" in str(next(inconsistencies(turned, loaded)))
-
-
-@pytest.fixture
-def minutes(stock, monkeypatch):
-    """A recording in three pieces, the first of them at rest, a sample of each unknown at its beginning."""
-    monkeypatch.setattr(consistency, "PIECE", 4.0)
-    loaded = stock.with_effect("gravity_load", {"torque": 2.0, "angle": 0.0})
-    swung = virtual_bench(loaded, parse_command("sine:0.05:1"), 12.0, name="swung", seed=4, origins=(0.0, math.pi))
-    signals = {name: np.where(swung.time < 4.0, values[0], values) for name, values in swung.signals.items()}
-    for values in signals.values():
-        values[::2000] = np.nan
-    return loaded, with_signals(swung, signals)
-
-
-def test_a_later_piece_tells_what_the_first_cannot(minutes):
-    loaded, swung = minutes
-    turned = scaled(swung, current=-1.0, current_setpoint=-1.0)
-    for origin in (math.pi, math.nan):  # an unknown one counts as zero
-        bench = loaded.with_value("effects.gravity_load.angle", 0.0 if origin == math.pi else math.pi)
-        assert not list(inconsistencies(replace(swung, output_angle_origin=origin), bench))
-        (found,) = inconsistencies(replace(turned, output_angle_origin=origin), bench)
-        assert "sign were turned round" in str(found)
-
-
-def test_a_clock_that_jumps_costs_nothing(driven, stock, monkeypatch):
-    stamps = driven.stamps.copy()
-    stamps[len(stamps) // 2 :] += 1_700_000_000 * 10**9
-    looked = []
-
-    def look(recording, start, *_):
-        looked.append(start)
-        assert len(looked) <= 2, "empty pieces are looked at"
-
-    monkeypatch.setattr(consistency, "_times_inertia", look)
-    assert not list(inconsistencies(replace(driven, stamps=stamps), stock))
-    assert looked
 
 
 @pytest.mark.parametrize("ratio", [8.0, 36.0, 300.0])

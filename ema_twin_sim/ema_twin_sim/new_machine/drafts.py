@@ -18,7 +18,7 @@ from ema_bench_replay.traces.header_words import header_words
 from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.units import unit_in
 
-from ..measured.consistency import sign_of_drive
+from ..measured.drive_regression import sign_of_drive
 from ..measured.load_sensor import falls_with_load, follows_load, times_current
 from ..measured.scales import to_own_units
 from ..measured.way_by_speed import standing_position

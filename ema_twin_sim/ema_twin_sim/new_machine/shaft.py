@@ -13,7 +13,7 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..criteria import ALL_BUT_SPIKES, CLEARLY_MORE, FAR_OUT, NEARLY_ALL, OUTLIER, SMALL
-from ..measured.consistency import is_usual_mistake
+from ..measured.signal_factors import is_usual_mistake
 from ..measured.smoothing import gaussian, smooth
 from ..measured.way_by_speed import way_by_speed
 from ..model.constants import CONSTANTS
