@@ -26,7 +26,7 @@ from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import Fit, fit, prior_rows
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.uncertainty import scaled_inverse
-from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.measured.scales import to_own_units
 
 from .cases import Case

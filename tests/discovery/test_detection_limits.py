@@ -14,7 +14,7 @@ from ema_twin_sim.identification.cramer_rao import whitened
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.measured.observe import observe_all
 from tests.accuracy.folders import readable_train
 from tests.accuracy.limits import limit_of, limited_bench
 from tests.recorded import record, with_signals

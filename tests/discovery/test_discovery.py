@@ -15,7 +15,7 @@ from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observation import observe, observe_all
+from ema_twin_sim.measured.observe import observe, observe_all
 from ema_twin_sim.measured.smoothing import gaussian, smooth
 from ema_twin_sim.measured.spoilt_samples import despiked
 from tests.recorded import COMMANDS, record, with_signals

@@ -14,7 +14,7 @@ from ema_twin_sim.identification.compliance import structural_fits
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observation import observe, observe_all
+from ema_twin_sim.measured.observe import observe, observe_all
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.large_arm import open_arm

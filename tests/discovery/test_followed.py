@@ -10,7 +10,7 @@ from ema_twin_sim.discovery.split import ClosedLoop
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.measured.scales import to_own_units
 
 COMMANDS = ("sine:0.03:0.8", "triangle:0.04:0.7", "ramp:0.05")

@@ -11,7 +11,7 @@ from ema_twin_sim.identification.candidates import Candidate, candidates
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.words.sentences import order_sentences
 from tests.recorded import record

@@ -7,7 +7,7 @@ from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.generic_bases import beside_generic_bases, fit_with_basis
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.measured.observe import observe_all
 from tests.recorded import record
 
 LOAD = {"torque": 0.03}

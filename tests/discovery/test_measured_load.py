@@ -13,7 +13,7 @@ from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observation import observe
+from ema_twin_sim.measured.observe import observe
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.simulate_many import simulate_many
 from ema_twin_sim.simulation.twin import Twin

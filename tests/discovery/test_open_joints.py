@@ -19,7 +19,7 @@ from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.screening import screen
 from ema_twin_sim.identification.uncertainty import covariance
-from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.model import load_model
 from ema_twin_sim.plant.measured_motion import SPEED

@@ -16,7 +16,7 @@ from ema_twin_sim.discovery.experiment.command_grid import command_grid, round_n
 from ema_twin_sim.discovery.experiment.doubts import doubts
 from ema_twin_sim.discovery.experiment.suggestion import suggest
 from ema_twin_sim.discovery.plan import plan
-from ema_twin_sim.measured.observation import observe
+from ema_twin_sim.measured.observe import observe
 from ema_twin_sim.simulation.command import in_words, parse_command, write_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.accuracy.commands import Drive

@@ -14,7 +14,7 @@ from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.hypothesis import INERTIAS
 from ema_twin_sim.identification.local_minima import output_weights, starting
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observation import observe, observe_all
+from ema_twin_sim.measured.observe import observe, observe_all
 from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.model import load_model
 from ema_twin_sim.new_machine.shaft import positions_part, ratio_of_positions, whole_ratio

@@ -14,7 +14,7 @@ from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.generic_bases import beside_generic_bases
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.separation import beside_its_wander, separation
-from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.measured.observe import observe_all
 from tests.identification.test_wander import worn
 from tests.recorded import record
 

@@ -9,7 +9,7 @@ from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.excerpt import excerpt
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.measured.spoilt_samples import counter_jumps
 from ema_twin_sim.plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED
 from ema_twin_sim.simulation.driving_flank import lead

@@ -14,7 +14,7 @@ from ema_twin_sim.fitting.fit import METHODS, fit_model
 from ema_twin_sim.fitting.free_parameters import choose_numbers
 from ema_twin_sim.fitting.simulation_misfit import SimulationMisfit
 from ema_twin_sim.identification.equation import EquationErrorProblem
-from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.model import load_model
 from tests.fitted_bench import FAST, SLOW, bench, check_recovered, estimates, true_value, with_effects
 from tests.recorded import with_signals

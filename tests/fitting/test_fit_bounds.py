@@ -10,7 +10,7 @@ from ema_twin_sim.fitting.free_parameters import choose_numbers
 from ema_twin_sim.fitting.solver import Solution, refine
 from ema_twin_sim.fitting.unseen import judge
 from ema_twin_sim.identification.equation import EquationErrorProblem
-from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.measured.observe import observe_all
 from tests.fitted_bench import bench
 
 

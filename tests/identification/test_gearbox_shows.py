@@ -6,7 +6,7 @@ from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.sensors import gearbox_shows
-from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.measured.observe import observe_all
 from tests.recorded import record
 
 RUNS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")

@@ -13,7 +13,7 @@ from ema_twin_sim.identification.estimates import standard_errors
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.on_bound import TURNED, on_bounds, reached_bound, torque_sign_reversed
-from ema_twin_sim.measured.observation import observe
+from ema_twin_sim.measured.observe import observe
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.large_arm import open_arm, swings_of

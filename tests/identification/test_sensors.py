@@ -10,7 +10,7 @@ from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.sensors import delay_of_gearbox, with_sensors
-from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.measured.observe import observe_all
 from tests.recorded import record
 
 

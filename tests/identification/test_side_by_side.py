@@ -6,7 +6,7 @@ import pytest
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.plant.measured_motion_many import LANE
 from tests.recorded import record
 

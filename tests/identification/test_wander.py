@@ -17,7 +17,7 @@ from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.uncertainty import covariance
 from ema_twin_sim.identification.wander import Wander
 from ema_twin_sim.identification.wandering import wandering
-from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.plant.measured_motion import SPEED
 from tests.recorded import record, with_signals
 

@@ -8,7 +8,7 @@ import pytest
 from ema_twin_sim.criteria import HARD
 from ema_twin_sim.fitting.free_parameters import choose_numbers
 from ema_twin_sim.fitting.simulation_misfit import SimulationMisfit
-from ema_twin_sim.measured.observation import observe
+from ema_twin_sim.measured.observe import observe
 from ema_twin_sim.plant.measured_motion import ACCELERATION
 from tests.recorded import record
 

@@ -9,7 +9,7 @@ import pytest
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.measured.balance_estimate import estimate_balance
-from ema_twin_sim.measured.observation import observe, observe_all
+from ema_twin_sim.measured.observe import observe, observe_all
 from ema_twin_sim.measured.scales import begun_near, rms_torque, standstill
 from tests.large_arm import COULOMB, INERTIA, VISCOUS, open_arm
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ema_twin_sim import diagnose
-from ema_twin_sim.measured.observation import observe
+from ema_twin_sim.measured.observe import observe
 from ema_twin_sim.measured.switching_ripple import with_switching_ripple
 from ema_twin_sim.model import load_model
 from ema_twin_sim.plant.measured_motion import SPEED

@@ -4,7 +4,7 @@ import pytest
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
-from ema_twin_sim.measured.observation import observe
+from ema_twin_sim.measured.observe import observe
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import choose_input
 from ema_twin_sim.simulation.virtual_bench import virtual_bench

@@ -215,7 +215,7 @@ def bounds(
     from ..identification.estimates import constants, standard_errors
     from ..identification.fit import fit
     from ..identification.null_hypothesis import null_hypothesis
-    from ..measured.observation import observe_all
+    from ..measured.observe import observe_all
     from ..measured.scales import to_own_units
 
     given, own = to_own_units(recordings, model)

@@ -24,7 +24,7 @@ from ..measured.consistency import refuse_inconsistent
 from ..measured.folds import operating_point_folds
 from ..measured.noise import NoiseFloor, noise_of
 from ..measured.observability import at_rest, not_shown, own_not_shown, restored
-from ..measured.observation import observe_all
+from ..measured.observe import observe_all
 from ..measured.scales import rms_torque, to_own_units, to_rotary_equivalent, with_hidden_as_given, with_output_held
 from ..measured.switching_ripple import with_switching_ripple
 from ..measured.usual_sizes import unusual_currents

@@ -21,7 +21,7 @@ from ..measured.consistency import refuse_inconsistent
 from ..measured.folds import operating_point_folds
 from ..measured.noise import noise_of
 from ..measured.observability import at_rest, restored
-from ..measured.observation import observe_all
+from ..measured.observe import observe_all
 from ..measured.scales import to_own_units, to_rotary_equivalent
 from ..measured.switching_ripple import with_switching_ripple
 from ..model import Model

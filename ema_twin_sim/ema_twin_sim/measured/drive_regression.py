@@ -21,7 +21,8 @@ from ..reading_noise import reading_noise
 from ..simulation.angle_origins import origins_of
 from ..simulation.assembly import assemble
 from ..simulation.required import required_torque
-from .observation import Observation, observe
+from .observation import Observation
+from .observe import observe
 from .smoothing import smooth_at
 from .way_by_speed import FEWEST
 

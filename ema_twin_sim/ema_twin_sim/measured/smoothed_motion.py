@@ -7,7 +7,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
-from ..criteria import NEGLIGIBLE, STANDSTILL
+from ..criteria import NEARLY_ALL, NEGLIGIBLE, STANDSTILL
 from ..model import Model
 from ..reading_noise import reading_noise
 from ..simulation.sensor_noise import counter_noise
@@ -49,6 +49,16 @@ def even(recording: Recording) -> tuple[float, np.ndarray, dict[str, np.ndarray]
     signals = {name: np.interp(time, measured, values) for name, values in used.items()}
     after = np.searchsorted(measured, time, side="left").clip(1, len(measured) - 1)
     return period, time, signals, np.rint((measured[after] - measured[after - 1]) / period)
+
+
+def usual_step(recording: Recording) -> float:
+    """Step [s] that nearly all steps between samples stay within, in whole sample periods.
+
+    A computer that logs while doing other work has no even rate. Its longer steps are not gaps, and a kernel as wide as
+    one of them bridges it. If the samples have a clock and a few are missing, this is the sample period.
+    """
+    steps = np.diff(recording.stamps) * 1e-9
+    return float(np.rint(np.quantile(steps, NEARLY_ALL) / recording.sample_period)) * recording.sample_period
 
 
 def smoothed_motion(

@@ -12,7 +12,8 @@ from ema_bench_replay.recording import Recording
 from ema_bench_replay.units import unit_in
 
 from ...criteria import LARGEST_EFFECT, MOSTLY, SMALL
-from ...measured.observation import Observation, observe_all
+from ...measured.observation import Observation
+from ...measured.observe import observe_all
 from ...measured.scales import to_own_units
 from ...model import Model
 from ...model.matching import by_torque

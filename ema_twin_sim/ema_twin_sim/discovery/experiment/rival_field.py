@@ -22,7 +22,8 @@ from ...identification.fit import Fit
 from ...identification.hypothesis import Hypothesis
 from ...identification.jacobian import jacobian
 from ...listing import listed
-from ...measured.observation import Observation, observe
+from ...measured.observation import Observation
+from ...measured.observe import observe
 from ...model.own_units import shown
 from ...plant.measured_motion import SPEED, TIME
 from ...simulation.command import parse_command

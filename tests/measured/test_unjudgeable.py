@@ -6,7 +6,7 @@ import pytest
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.model import load_model
 from ema_twin_sim.model.own_units import OwnUnits, recording_in

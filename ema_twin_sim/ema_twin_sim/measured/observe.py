@@ -1,0 +1,220 @@
+"""Observe recordings: smooth and differentiate the motion, and choose the rows to judge.
+
+The drive's own smoothing of the speed is undone. A row is not judged near standstill (dry friction has no sign there),
+near a gap, or at an end.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from contextlib import suppress
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+
+from ..criteria import CHAOTIC, CORRELATION, COUNTED, LEAST_ROWS, NEGLIGIBLE, SHAKEN, STANDSTILL, THROWN
+from ..model import Model
+from ..model.own_units import shown
+from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
+from ..reading_noise import reading_noise
+from ..simulation.angle_origins import origins_of
+from ..simulation.operating_points import FEWEST as FEWEST_POINTS
+from ..simulation.operating_points import doubled, motion_at_points
+from ..simulation.sensor_noise import counter_noise
+from .bandwidth import narrowest
+from .observation import Observation
+from .row_noise import encoder_noise, rounding_noise, shaken, smallest_step, torque_noise
+from .sliding import moving_maximum
+from .smoothed_motion import COUNTER_WIDTH, LEAST_PERIODS, WIDTH, even, smoothed_motion, usual_step
+from .smoothing import gaussian, smooth, smooth_at
+from .spoilt_samples import counter_jumps
+from .unjudgeable import refuse_incomplete, refuse_unchanging, too_little_motion
+
+START = 0.03  # own s at each end that are not judged
+JITTER = 2e-4  # own s of possible offset between the two counters' samples, or of an impact
+LEAST_NOISE = 1e-6  # of the torque limit: simulated recordings may have no noise at all
+LARGEST = 100.0  # times the largest torque: limit of a drive whose own is not known
+
+
+def observe(recording: Recording, model: Model, widest: float = math.inf, *, bridging: bool = False) -> Observation:
+    """Prepare a recording for a diagnosis, with a kernel of at most ``widest`` [own s].
+
+    With ``bridging``, the kernel is wide enough for the steps of a log without an even clock; otherwise these are gaps.
+
+    Raises InputError if a required signal is missing.
+    """
+    if recording.of_points:
+        return _observe_points(recording, model)
+    refuse_incomplete(recording, model)
+    period, time, signals, apart = even(recording)
+    refuse_unchanging(recording, signals, model)
+    by_torque = "current" in signals
+    raw = recording.signals["current"] if by_torque else np.zeros(len(time))
+    signals.setdefault("current", raw)
+    width = max(min(WIDTH if "speed" in signals else COUNTER_WIDTH, widest), LEAST_PERIODS * period)
+    # without teeth or compliance nothing is shaken, and reversals are as good as any other rows
+    geared = model.value("machine.output_inertia") > 0.0
+    reading = max(counter_noise(model, "motor"), 0.0 if geared else reading_noise(signals["motor_position"]))
+    if not geared and "speed" not in signals:
+        width = narrowest(signals["motor_position"], period, reading, width, LEAST_PERIODS * period)
+    if bridging:
+        width = max(width, min(usual_step(recording), widest))
+    kernel = gaussian(width, period)
+    whole = apart <= max(1.0, (1.0 if bridging else 0.5) * width / period)  # a kernel bridges gaps shorter than itself
+    if len(time) < 4 * len(kernel):
+        second, _ = shown(model, 1.0, "s")
+        raise InputError(f"{recording.name}: lasts {second * recording.duration:.3g} s; a diagnosis needs longer ones")
+    ratio = model.value("machine.gear_ratio")
+    motion, motion_noise = smoothed_motion(signals, time, period, width, model, reading, geared)
+    acceleration = motion[:, ACCELERATION]
+    constant = model.value("machine.torque_constant")
+    drive = constant * signals["current"]
+    hit, thrown = (geared * _hardest(acceleration, before, 2.0 * width, period) for before in (SHAKEN, THROWN))
+    after_impact = thrown > CHAOTIC
+    centres = np.arange(len(kernel) // 2, len(time) - len(kernel) // 2, max(1, round(2.0 * width / period)))
+    judged = _judged(time, period, whole, kernel)
+    slow = np.abs(motion[:, SPEED]) < STANDSTILL
+    # without a gearbox, a machine that crosses standstill quickly (within a kernel's inner half) does not stick there
+    still = _spread(slow, len(kernel) // 2)
+    moving = still == 0.0 if geared else still < _spread(~slow, len(kernel) // 2)
+    driven = np.abs(signals["current"]) < (1.0 - NEGLIGIBLE) * min(
+        model.value("drive.current_limit"), model.value("drive.torque_limit") / constant
+    )
+    rows = centres[(judged & moving & driven & by_torque)[centres]]
+    white = torque_noise(signals["current"], raw, kernel, model)
+    if "load_torque" in signals:
+        white = math.hypot(white, reading_noise(signals["load_torque"]) * float(np.linalg.norm(kernel)))
+    inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
+    noise = math.hypot(white, inertia * motion_noise) * shaken(hit)
+    largest = min(model.value("drive.torque_limit"), LARGEST * float(np.abs(drive).max()))
+    noise = np.maximum(noise, LEAST_NOISE * largest)
+    output = signals.get("output_position")
+    difference = np.zeros(len(time)) if output is None else output - signals["motor_position"] / ratio
+    count = sum(  # rad of the slow shaft, of both counters
+        model.turn / model.value(f"sensors.{side}_encoder_counts") / turns
+        for side, turns in (("output", 1.0), ("motor", ratio))
+    )
+    jumps = counter_jumps(difference, motion[:, SPEED] * period / ratio, COUNTED * count)
+    breaks = jumps != 0.0
+    motion[:, OUTPUT_ANGLE] -= np.cumsum(jumps)
+    difference = difference - np.cumsum(jumps)
+    whole_encoder = judged & (_spread(breaks, len(kernel) // 2) == 0.0)
+    encoder_rows = centres[whole_encoder[centres]] if output is not None else centres[:0]
+    if not after_impact[encoder_rows].all():
+        encoder_rows = encoder_rows[~after_impact[encoder_rows]]
+    parting = np.hypot(
+        encoder_noise(model) * float(np.linalg.norm(kernel)) * shaken(hit),
+        JITTER * smooth(difference, gaussian(width, period, 1)),
+    )
+    motor_origin, output_origin = origins_of(recording, model)
+    return Observation(
+        name=recording.name,
+        period=period,
+        geared=geared,
+        motion=motion,
+        motor_origin=motor_origin,
+        output_origin=output_origin,
+        kernel=kernel,
+        rows=rows,
+        torque=_at(drive, kernel, rows),
+        torque_rate=smooth(drive, gaussian(width, period, 1))[rows],
+        acceleration=acceleration[rows],
+        torque_noise=noise[rows],
+        torque_step=constant * smallest_step(raw),
+        coarse=rounding_noise(raw, model, reading_noise(signals["current"])) > 0.0,
+        hit=hit,
+        after_impact=after_impact,
+        encoder_rows=encoder_rows,
+        encoder=_at(difference, kernel, encoder_rows),
+        encoder_noise=parting[encoder_rows],
+        encoder_piece=np.cumsum(breaks)[encoder_rows],
+    )
+
+
+def _observe_points(recording: Recording, model: Model) -> Observation:
+    """Observation of operating points: rows that are judged as recorded, each separately."""
+    motion = motion_at_points(recording, model)
+    motion = motion[np.isfinite(motion).all(axis=1)]
+    if len(motion) < FEWEST_POINTS:
+        raise InputError(f"{recording.name}: {len(motion)} operating points are too few to tell anything")
+    count = len(motion)
+    constant = model.value("machine.torque_constant")
+    torque = constant * motion[:, MOTOR_CURRENT]
+    noise = model.value("sensors.current_noise") or reading_noise(motion[:, MOTOR_CURRENT])
+    nowhere = np.zeros(0)
+    motor_origin, output_origin = origins_of(recording, model)
+    return Observation(
+        name=recording.name,
+        period=float(np.median(np.diff(motion[:, TIME]))),
+        geared=model.value("machine.output_inertia") > 0.0,
+        motion=doubled(motion),
+        motor_origin=motor_origin,
+        output_origin=output_origin,
+        kernel=np.ones(1),
+        rows=np.arange(count) * 2 + 1,
+        torque=torque,
+        torque_rate=np.zeros(count),
+        acceleration=np.zeros(count),
+        torque_noise=np.full(count, max(constant * noise, LEAST_NOISE * float(np.abs(torque).max()))),
+        torque_step=0.0,
+        coarse=False,
+        hit=np.zeros(2 * count),
+        after_impact=np.zeros(2 * count, bool),
+        encoder_rows=np.zeros(0, np.int64),
+        encoder=nowhere,
+        encoder_noise=nowhere,
+        encoder_piece=np.zeros(0, np.int64),
+    )
+
+
+def _judged_rows(found: Sequence[Observation], recordings: Sequence[Recording]) -> list[np.ndarray]:
+    """The rows that are judged; without torque data, the encoder rows."""
+    return [o.rows if r.has("current") else o.encoder_rows for o, r in zip(found, recordings, strict=True)]
+
+
+def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
+    """Observe all recordings. Raises InputError if together they hold too little motion to judge."""
+    if not recordings:
+        raise InputError("no recording is given; a diagnosis needs at least one")
+    # For a slow machine, whose own second is long, the usual kernel would leave few rows of a long recording. Two
+    # widths make a row, and CORRELATION rows count as one.
+    widest = sum(recording.duration for recording in recordings) / (4.0 * CORRELATION * LEAST_ROWS)
+    found = [observe(recording, model, widest) for recording in recordings]
+    if any(recording.of_points for recording in recordings):
+        return found
+    judged = _judged_rows(found, recordings)
+    if sum(map(len, judged)) < LEAST_ROWS:
+        with suppress(InputError):  # too short for so wide a kernel: reported as without it
+            bridged = [observe(recording, model, widest, bridging=True) for recording in recordings]
+            if sum(map(len, _judged_rows(bridged, recordings))) > sum(map(len, judged)):
+                found, judged = bridged, _judged_rows(bridged, recordings)
+    if sum(map(len, judged)) < LEAST_ROWS:
+        raise InputError(too_little_motion(found, judged, recordings, model))
+    return found
+
+
+def _judged(time: np.ndarray, period: float, whole: np.ndarray, kernel: np.ndarray) -> np.ndarray:
+    """Mask (n,) of samples that are neither near an end nor near a gap."""
+    margin = len(kernel) // 2 + round(START / period)
+    judged = _spread(~whole, len(kernel) // 2) == 0.0
+    judged[:margin] = judged[len(time) - margin :] = False
+    return judged
+
+
+def _spread(where: np.ndarray, reach: int) -> np.ndarray:
+    """Positive within ``reach`` / 2 samples of true ones: a kernel's outer half has almost no weight."""
+    return np.rint(np.convolve(where, np.ones(2 * round(0.5 * reach) + 1), "same"))
+
+
+def _hardest(acceleration: np.ndarray, before: float, after: float, period: float) -> np.ndarray:
+    """Largest acceleration (n,) from ``before`` [s] before each sample to ``after`` [s] after it."""
+    return moving_maximum(np.abs(acceleration), round(before / period), round(after / period))
+
+
+def _at(values: np.ndarray, kernel: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    smoothed = np.empty(len(rows))
+    smooth_at(np.ascontiguousarray(values), kernel, rows, smoothed)
+    return smoothed
