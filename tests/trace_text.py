@@ -1,4 +1,4 @@
-"""A Siemens trace as text, for tests that change it, and the one line of a refusal."""
+"""A Siemens trace as text, for tests that change it, any columns as a CSV, and the one line of a refusal."""
 
 import math
 
@@ -20,3 +20,10 @@ RPM = 2 * math.pi / 60
 def refused(path, *words):
     with refused_in_one_line(path, *words):
         load(path)
+
+
+def write_columns(place, columns):
+    """Write columns, (n,) each, by name."""
+    rows = "\n".join(",".join(f"{value:.12g}" for value in row) for row in zip(*columns.values(), strict=True))
+    place.write_text(",".join(columns) + "\n" + rows + "\n")
+    return place

@@ -11,6 +11,7 @@ from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.given import Given
 from ema_twin_sim.new_machine.model_draft import ModelDraft
 from ema_twin_sim.new_machine.shaft import Shaft
+from tests.trace_text import write_columns
 
 TIME = np.arange(1500) * 2e-3
 ANGLE = 30.0 * (1.0 - np.cos(2.0 * TIME))
@@ -20,9 +21,7 @@ CURRENT = 0.5 * np.sign(np.sin(2.0 * TIME)) + 0.2 * np.cos(2.0 * TIME)
 def written(place, **columns):
     """A trace with a time, a current, a motor's angle and these columns, (n,) each, by name."""
     given = {"time [s]": TIME, "current [A]": CURRENT, "motor position [rad]": ANGLE, **columns}
-    rows = "\n".join(",".join(f"{value:.12g}" for value in row) for row in zip(*given.values(), strict=True))
-    place.write_text(",".join(given) + "\n" + rows + "\n")
-    return place
+    return write_columns(place, given)
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.traces.header_words import COUNTS, header_words
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.new_machine.columns import guess_columns
+from tests.trace_text import write_columns
 
 TIME = np.arange(400) * 2e-3
 ANGLE = 30.0 * (1.0 - np.cos(5.0 * TIME))
@@ -16,12 +17,6 @@ CURRENT = 0.5 * np.sign(SPEED) + 0.2 * np.cos(5.0 * TIME)
 
 def signals(*header):
     return {guess.column: guess.signal for guess in guess_columns(header).signals}
-
-
-def written(place, columns):
-    rows = "\n".join(",".join(f"{value:.12g}" for value in row) for row in zip(*columns.values(), strict=True))
-    place.write_text(",".join(columns) + "\n" + rows + "\n")
-    return place
 
 
 @pytest.mark.parametrize("name", ["m1foo", "m1state", "M2 xyz", "x1foo", "v3 open"])
@@ -62,7 +57,7 @@ def test_a_clock_of_that_name_and_unit_is_the_clock_though_it_steps_back(tmp_pat
     time = TIME.copy()
     time[0] = time[1] + 5e-4
     columns = {"Time (s)": time, "ESC signal (µs)": 1000.0 + np.arange(len(TIME)), "speed [rad/s]": SPEED}
-    trace = written(tmp_path / "trace.csv", {**columns, "current [A]": CURRENT})
+    trace = write_columns(tmp_path / "trace.csv", {**columns, "current [A]": CURRENT})
     with pytest.raises(InputError, match=r"line 3: column 'Time \(s\)': time goes back .* first row .* remove line 2"):
         init(str(tmp_path / "m"), [trace])
 
@@ -71,7 +66,7 @@ def test_a_single_repeated_time_is_said_and_left_out(tmp_path, capsys):
     time = TIME.copy()
     time[1] = time[0]
     columns = {"Time (s)": time, "ESC signal (µs)": 1000.0 + 0.5 * np.arange(len(TIME)), "speed [rad/s]": SPEED}
-    init(str(tmp_path / "m"), [written(tmp_path / "trace.csv", {**columns, "current [A]": CURRENT})])
+    init(str(tmp_path / "m"), [write_columns(tmp_path / "trace.csv", {**columns, "current [A]": CURRENT})])
     told = " ".join(capsys.readouterr().err.split())
     assert "1 row (the first in line 3) tells the time of the row before: left out" in told
     assert "column: 'Time \\(s\\)'" in (tmp_path / "m_map.yaml").read_text()
@@ -79,7 +74,7 @@ def test_a_single_repeated_time_is_said_and_left_out(tmp_path, capsys):
 
 def test_a_table_whose_time_goes_back_may_be_of_operating_points(tmp_path):
     columns = {"time [s]": [3.0, 1.0, 2.0, 5.0, 4.0, 6.0], "speed [rad/s]": np.arange(6.0), "torque [N m]": np.ones(6)}
-    trace = written(tmp_path / "table.csv", columns)
+    trace = write_columns(tmp_path / "table.csv", columns)
     with pytest.raises(InputError, match=r"time goes back .* give --operating-points"):
         init(str(tmp_path / "m"), [trace])
     init(str(tmp_path / "m"), [trace], operating_points=True)
@@ -89,13 +84,13 @@ def test_a_table_whose_time_goes_back_may_be_of_operating_points(tmp_path):
 def test_long_samples_whose_time_goes_back_are_no_operating_points(tmp_path):
     columns = {"time [s]": np.tile(TIME, 2), "speed [rad/s]": np.tile(SPEED, 2), "current [A]": np.tile(CURRENT, 2)}
     with pytest.raises(InputError, match="time goes back") as refused:
-        init(str(tmp_path / "m"), [written(tmp_path / "trace.csv", columns)])
+        init(str(tmp_path / "m"), [write_columns(tmp_path / "trace.csv", columns)])
     assert "operating" not in str(refused.value)
 
 
 def test_a_motor_that_turns_is_of_a_rotary_machine_whatever_the_unit_of_its_torque(tmp_path, capsys):
     columns = {"time [s]": TIME, "motor speed [rpm]": SPEED, "motor torque [mN]": CURRENT, "motor current [A]": CURRENT}
-    init(str(tmp_path / "m"), [written(tmp_path / "trace.csv", columns)])
+    init(str(tmp_path / "m"), [write_columns(tmp_path / "trace.csv", columns)])
     told = " ".join(capsys.readouterr().out.split())
     assert "motor torque [mN]: mN is a unit of a linear machine" in told and "motor speed [rpm] → speed in rpm" in told
     assert "motion: linear" not in (tmp_path / "m_map.yaml").read_text()
@@ -106,34 +101,10 @@ def test_a_carriage_is_linear_whatever_its_encoder_counts():
     assert guesses.motion == "linear" and guesses.other_motion == ("speed [rev/s]",)
 
 
-POINTS = np.arange(1.0, 31.0)
-SLIPS = 0.1 * 1.3**POINTS  # in uneven steps, as the load rises
-
-
-@pytest.mark.parametrize("name", ["轉差 s", "slip [s]", "轉差[s]"])
-def test_what_has_a_unit_of_time_but_goes_in_uneven_steps_is_no_clock(tmp_path, capsys, name):
-    columns = {"轉速rpm": 3600.0 - 20.0 * POINTS, name: SLIPS, "電流A": 3.0 + 0.5 * POINTS}
-    init(str(tmp_path / "m"), [written(tmp_path / "points.csv", columns)])
-    told = " ".join(capsys.readouterr().out.split())
-    assert "電流A → current in A" in told and "轉速rpm → speed in rpm" in told
-    assert "No time column was found: each row is read as an operating point" in told
-    assert "operating_points: true" in (tmp_path / "m_map.yaml").read_text()
-
-
-@pytest.mark.parametrize("name", ["時間 s", "时间s", "time [s]", "время [s]", "[s]"])
-def test_a_name_of_the_time_is_the_clock_however_it_goes(name):
-    columns = {name: SLIPS, "電流A": POINTS}
-    assert guess_columns(list(columns), numbers=columns).time.column == name
-
-
-@pytest.mark.parametrize("name", ["轉差 s", "run [s]", "採樣ms"])
-def test_a_unit_of_time_and_even_steps_are_a_clock(name):
-    columns = {name: 0.5 * POINTS, "電流A": POINTS}
-    assert guess_columns(list(columns), numbers=columns).time.column == name
-
-
 def test_of_two_lines_of_names_the_one_with_units_is_the_header(tmp_path, capsys):
-    trace = written(tmp_path / "points.csv", {"轉速rpm": 3600.0 - POINTS, "轉矩n-m": POINTS, "Q功率VAR": 9.0 - POINTS})
+    points = np.arange(1.0, 31.0)
+    columns = {"轉速rpm": 3600.0 - points, "轉矩n-m": points, "Q功率VAR": 9.0 - points}
+    trace = write_columns(tmp_path / "points.csv", columns)
     trace.write_text("speed,torque,Q3\n" + trace.read_text())
     init(str(tmp_path / "m"), [trace])
     told = " ".join(capsys.readouterr().out.split())

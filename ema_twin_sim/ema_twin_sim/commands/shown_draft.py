@@ -21,7 +21,7 @@ def warn_of_contradicted_names(guesses: Guesses) -> None:
     """Warn of columns whose name says one quantity and whose unit another, for example if two units were swapped."""
     from ema_bench_replay.traces.header_words import header_words
 
-    from ..new_machine.columns import contradicted_quantity
+    from ..new_machine.column_quantity import contradicted_quantity
 
     for guess in guesses.signals:
         if said := contradicted_quantity(guess.column):

@@ -6,7 +6,6 @@ measurement, and the motor's shaft from the output's. Each signal is taken once,
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -14,34 +13,30 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import AT_EITHER_SHAFT, MAY_BE_MAGNITUDES
-from ema_bench_replay.traces.header_words import COUNTS, HeaderWords, header_words, in_other_letters
+from ema_bench_replay.traces.header_words import COUNTS, HeaderWords, header_words
 from ema_bench_replay.traces.import_map import TIME_UNITS
 from ema_bench_replay.units import units_of
 
-from ..criteria import SMALL
-from .clock import is_uneven
-from .column_words import (
-    ACCELERATION_UNIT,
-    ACTUAL,
-    DIRECT_OR_PHASE,
-    ENCODER,
-    FILTERED,
-    MOTOR,
-    MOTOR_ITSELF,
-    NO_SIGNAL,
-    OUTPUT,
-    POWER_UNIT,
-    SETPOINT,
-    SLIDES,
-    STEMS,
-    SUPPLY,
-    SYMBOLS,
-    TIME_IN_OTHER_LETTERS,
-    TIME_WORDS,
-    TRANSDUCER,
+from .column_quantity import has_word, word_quantity
+from .column_words import MOTOR_ITSELF, OUTPUT, SLIDES
+from .joints import ONE_JOINT, Joint, Numbered, one_joint
+from .signal_columns import choose_signals, drive_command, signal_column, supply_current
+from .time_column import time_column
+
+_ORDER = (
+    "temperature",
+    "load_torque",
+    "current_setpoint",
+    "current",
+    "speed_setpoint",
+    "output_command",
+    "output_position",
+    "motor_torque",
+    "speed",
+    "motor_position",
+    "voltage",
 )
-from .joints import ONE_JOINT, Joint, Numbered, likeness, one_joint, travel
-from .position_beside_speed import going_with_speed
+"""Signals in the order in which a map lists them."""
 
 
 @dataclass(frozen=True)
@@ -101,21 +96,6 @@ class Guesses:
         return {"motor_position", "output_position"} <= {guess.signal for guess in self.signals}
 
 
-@dataclass(frozen=True)
-class _Column:
-    """A column that may be a signal."""
-
-    read: HeaderWords
-    quantity: str
-    setpoint: bool
-    actual: bool
-    shaft: str  # motor, output, or empty if its name says none
-
-    @property
-    def name(self) -> str:
-        return self.read.name
-
-
 def guess_columns(
     header: Sequence[str],
     no_numbers: frozenset[str] = frozenset(),
@@ -129,30 +109,31 @@ def guess_columns(
     goes farther is the motor's. If there are columns of several joints, those of ``joint`` are taken, else those of the
     joint that goes farthest. Raises InputError if the time has no numbers.
     """
+    numbers = numbers or {}
     names = [header_words(name) for name in header]
     linear = _is_linear(names)
     names = [_settled(read, linear) for read in names]
-    time = _time_column(names, numbers or {})
+    time = time_column(names, numbers)
     if time is not None and time.name in no_numbers:
         raise InputError(
             f"header: column {time.name!r} holds no numbers; export the time in s or ms, counted from the start"
         )
     usable = [read for read in names if read is not time and read.name not in no_numbers]
-    whole = {name: values for name, values in (numbers or {}).items() if name not in no_numbers}
+    whole = {name: values for name, values in numbers.items() if name not in no_numbers}
     of_joint, usable = one_joint([_numbered(read) for read in usable], whole, joint)
     other_motion = tuple(
-        read.name for read in usable if read.linear not in (None, linear) and _column(read) is not None
+        read.name for read in usable if read.linear not in (None, linear) and signal_column(read) is not None
     )
-    columns = [column for column in map(_column, usable) if column is not None and column.name not in other_motion]
-    taken, other_axes = _signals(columns, numbers or {}, time)
-    command = None if {"current", "motor_torque"} & taken.keys() else _command(columns, numbers or {})
+    columns = [column for column in map(signal_column, usable) if column and column.name not in other_motion]
+    taken, other_axes = choose_signals(columns, numbers, time)
+    unmeasured = not {"current", "motor_torque"} & taken.keys()
+    command = drive_command(columns, numbers) if unmeasured else None
+    supply = supply_current(usable, numbers) if unmeasured and command is None else None
     if command is not None:
-        signal = "motor_torque" if command.quantity == "torque" else "current"
-        besides = {name: column for name, column in taken.items() if column is not command}
-        taken = {name: {**besides, signal: command}[name] for name in _ORDER if name in {*besides, signal}}
-    supply = None if {"current", "motor_torque"} & taken.keys() else _supply_current(usable, numbers or {})
-    if supply is not None:
-        taken = {name: {**taken, "current": supply}[name] for name in _ORDER if name in {*taken, "current"}}
+        taken = {signal: column for signal, column in taken.items() if column is not command}
+        taken["motor_torque" if command.quantity == "torque" else "current"] = command
+    elif supply is not None:
+        taken["current"] = supply
     motion = "linear" if linear else "rotary"
     signals = tuple(
         Guess(
@@ -164,7 +145,7 @@ def guess_columns(
             magnitude=column is supply,
             command=column is command,
         )
-        for signal, column in taken.items()
+        for signal, column in sorted(taken.items(), key=lambda item: _ORDER.index(item[0]))
     )
     used = {column.name for column in taken.values()}
     left = tuple(name for name in header if name not in used and (time is None or name != time.name))
@@ -190,7 +171,7 @@ def named_columns(named: Mapping[str, str]) -> Guesses:
                 f"init: {words.name!r}: its unit is not one of the {signal.replace('_', ' ')} of a {motion} machine; "
                 f"use one of {', '.join(units_of(signal, motion))}"
             )
-        signals.append(Guess(signal, words.name, unit, bool(_has(words.words, OUTPUT))))
+        signals.append(Guess(signal, words.name, unit, has_word(words.words, OUTPUT)))
     return _timed(read.get("time"), tuple(signals), (), motion)
 
 
@@ -201,235 +182,27 @@ def _timed(time: HeaderWords | None, signals: tuple[Guess, ...], left: tuple[str
     return Guesses(None, signals, left, motion, of_points=True, points_doubt="no time column was found")
 
 
-def _has(words: Sequence[str], pattern: str) -> bool:
-    return any(re.search(pattern, word) for word in words)
-
-
 def _is_linear(names: Sequence[HeaderWords]) -> bool:
     """Whether the machine is linear, by the unambiguous units of positions, else of speeds, else of torques.
 
     A motor that turns decides for a rotary one.
     """
     sure = [read for read in names if not read.in_doubt and read.linear is not None]
-    if any(not read.linear and read.quantity != "torque" and _has(read.words, MOTOR_ITSELF) for read in sure):
+    if any(not read.linear and read.quantity != "torque" and has_word(read.words, MOTOR_ITSELF) for read in sure):
         return False
     for quantity in ("position", "speed", "torque"):
         if told := [read.linear for read in sure if read.quantity == quantity]:
             return any(told)
     doubted = [read for read in names if read.in_doubt and read.unit == "m"]
-    return len(doubted) == 1 and _has(doubted[0].words, SLIDES)  # if there are several, m is a subscript for the motor
+    return len(doubted) == 1 and has_word(doubted[0].words, SLIDES)  # several: m is a subscript for the motor
 
 
 def _settled(read: HeaderWords, linear: bool) -> HeaderWords:
     """The name after deciding whether an ambiguous letter is a unit or a subscript."""
     if not read.in_doubt:
         return read
-    fits = read.quantity == _word_quantity(read.words) and (read.linear is None or read.linear == linear)
+    fits = read.quantity == word_quantity(read.words) and (read.linear is None or read.linear == linear)
     return replace(read, in_doubt=False) if fits else read.as_subscript()
-
-
-def _word_quantity(words: Sequence[str]) -> str | None:
-    """The quantity that the words give; a position with a dot is a speed."""
-    found = next(
-        (quantity for quantity, pattern in STEMS.items() if _has(words, pattern)),
-        next(
-            (q for word in words for q, known in SYMBOLS.items() if word in known and not _numbers(word, words)), None
-        ),
-    )
-    return "speed" if found == "position" and "dot" in words else found
-
-
-def _numbers(letter: str, words: Sequence[str]) -> bool:
-    """Whether a letter only numbers what the words name, as in ``m1foo``: of a motor, a sensor, an axis."""
-    if len(letter) > 1 or len(words) < 3 or words[0] != letter or not words[1].isdigit():
-        return False
-    known = f"{SETPOINT}|{ACTUAL}|{OUTPUT}|{MOTOR}|{FILTERED}|^(dot|raw|\\d+)$"
-    return not all(re.search(known, word) for word in words[2:])
-
-
-def contradicted_quantity(name: str) -> str:
-    """The quantity that a column's words give if its unit is clearly of another one; empty if both agree.
-
-    Not a contradiction: a torque in amperes, and a speed of an encoder. Symbols of one letter are not considered.
-    """
-    read = header_words(name)
-    said = {quantity for quantity, pattern in STEMS.items() if _has(read.words, pattern)}
-    if read.quantity is None or read.in_doubt or not said or read.quantity in said:
-        return ""
-    if read.quantity == "current" and "torque" in said:
-        return ""
-    if read.quantity == "speed" and _has(read.words, ENCODER + r"|dot"):
-        return ""
-    return next(quantity for quantity in STEMS if quantity in said)
-
-
-def _time_column(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> HeaderWords | None:
-    """The time column: by its name, or by a unit of time; of several, the first that rises.
-
-    One with both is the clock even if it does not rise: reading it tells what is wrong with it. One with the unit alone
-    must go in even steps, as a clock does: the slip of a motor may be given in s as well.
-    """
-    called = [read for read in names if _is_time(read)]
-    others = [read for read in names if read.quantity == "time" and read not in called]
-    if called and not numbers:
-        return called[0]
-    rising = [read for read in (*called, *others) if read.name in numbers and (np.diff(numbers[read.name]) > 0.0).all()]
-    rising = [read for read in rising if read in called or not is_uneven(numbers[read.name])]
-    clocks = [read for read in called if read.quantity == "time"]
-    return next(iter((*(read for read in rising if read in called), *clocks, *rising, *called)), None)
-
-
-def _is_time(read: HeaderWords) -> bool:
-    if read.quantity not in ("time", None) or read.foreign:
-        return False
-    if not read.words and in_other_letters(read.name):
-        return re.search(TIME_IN_OTHER_LETTERS, read.name.lower()) is not None
-    known = all(re.search(TIME_WORDS, word) for word in read.words) and bool(read.words or read.quantity)
-    if read.quantity == "time":
-        # the x axis of a plot is time if its unit is one of time
-        return known or _word_quantity(read.words) == "time" or read.words == ("x",)
-    if read.words == ("x", "value"):  # LabVIEW's name for the time of a measurement
-        return True
-    return known or (_has(read.words, r"time|zeit|stamp") and not _has(read.words, NO_SIGNAL))
-
-
-def _column(read: HeaderWords) -> _Column | None:
-    """What a column may be; None if it is no signal."""
-    if _has(read.words, NO_SIGNAL) or "ddot" in read.words:
-        return None
-    by_words = _word_quantity(read.words)
-    quantity = read.quantity or by_words
-    if read.foreign and read.quantity is None and by_words is None:
-        return None
-    no_signals = POWER_UNIT if by_words == "torque" else f"{POWER_UNIT}|{ACCELERATION_UNIT}"  # a force may be in g
-    if read.quantity is None and (re.fullmatch(no_signals, read.foreign) or read.words[-2:] == ("k", "w")):
-        return None  # a letter beside it, as of an axis X or S, is no symbol of a position
-    if quantity in (None, "time", "power"):
-        return None
-    words = read.words
-    axis = next((word for word in words[1:] if word in DIRECT_OR_PHASE), None) if len(words) == 2 else None
-    if quantity in ("current", "voltage") and axis is not None:
-        return None
-    desired = quantity in ("position", "speed") and "d" in words[1:]
-    shaft = (
-        "output" if _has(words, OUTPUT) else "motor" if _has(words[1:], MOTOR) or _has(words[:1], "motor|rotor") else ""
-    )
-    return _Column(read, quantity, desired or _has(words, SETPOINT), _has(words, ACTUAL), shaft)
-
-
-def _command(columns: Sequence[_Column], numbers: Mapping[str, np.ndarray]) -> _Column | None:
-    """A command of the torque, or else of the current, that changes: it serves if neither was measured."""
-    commands = [c for c in columns if c.setpoint and not (c.name in numbers and np.ptp(numbers[c.name]) == 0.0)]
-    torques = [c for c in commands if c.quantity == "torque"]
-    currents = sorted((c for c in commands if c.quantity == "current"), key=lambda c: not is_quadrature(c.read.words))
-    found = sorted(torques, key=lambda c: c.shaft == "output") or currents
-    return min(found, key=lambda c: _has(c.read.words, FILTERED), default=None)
-
-
-def _supply_current(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> _Column | None:
-    """The supply's current, if it is never negative: how large the motor's is, without its sign."""
-    for read in names:
-        words = tuple(word for word in read.words if not re.search(SUPPLY, word))
-        values = numbers.get(read.name)
-        if len(words) == len(read.words) or values is None or not np.nanmin(values, initial=0.0) >= 0.0:
-            continue
-        column = _column(replace(read, words=words))
-        if column is not None and column.quantity == "current" and not column.setpoint:
-            return replace(column, read=read)
-    return None
-
-
-def _numbered(read: HeaderWords) -> Numbered:
-    """A column with its quantity, for the search for joints that are numbered in the names."""
-    column = _column(read)
-    return Numbered(read, None, False) if column is None else Numbered(read, column.quantity, column.setpoint)
-
-
-def _signals(
-    columns: Sequence[_Column], numbers: Mapping[str, np.ndarray], time: HeaderWords | None
-) -> tuple[dict[str, _Column], tuple[str, ...]]:
-    """The column of each signal that has one, and the positions that are left out since another goes with the speed."""
-    taken: dict[str, _Column] = {}
-
-    def of(quantity: str, *, setpoint: bool = False) -> list[_Column]:
-        found = [c for c in columns if c.quantity == quantity and c.setpoint == setpoint and c not in taken.values()]
-        return sorted(found, key=lambda c: (_has(c.read.words, FILTERED), c.shaft == "output", not c.actual))
-
-    def take(signal: str, found: Sequence[_Column]) -> None:
-        if found:
-            taken[signal] = found[0]
-
-    take("temperature", of("temperature"))
-    torques, currents = of("torque"), of("current")
-    behind = [c for c in torques if c.shaft == "output" or (c.shaft == "" and currents and _measured_behind(c))]
-    take("motor_torque", [c for c in torques if c not in behind])
-    take("load_torque", behind)
-    for signal, setpoint in (("current", False), ("current_setpoint", True)):
-        take(signal, sorted(of("current", setpoint=setpoint), key=lambda c: not is_quadrature(c.read.words)))
-    take("voltage", of("voltage"))
-    take("speed", of("speed"))
-    take("speed_setpoint", of("speed", setpoint=True))
-    take("output_command", of("position", setpoint=True))
-    positions = of("position")
-    outputs = [c for c in positions if c.shaft == "output"]
-    unsaid = [c for c in positions if c.shaft == ""]
-    named = any(c.shaft == "motor" for c in positions)
-    elsewhere = [] if named else _of_other_axes(unsaid, taken.get("speed"), time, numbers)
-    if numbers:
-        unsaid.sort(key=lambda c: (_has(c.read.words, FILTERED), c in elsewhere, -travel(c.read, numbers)))
-    take("motor_position", [*(c for c in positions if c.shaft == "motor"), *unsaid])
-    if (motor := taken.get("motor_position")) is not None:
-        beside = [c for c in unsaid if c is not motor and not _has(c.read.words, FILTERED)]
-        outputs += [c for c in beside if _of_one_train(motor, c, numbers)]
-    take("output_position", outputs)
-    for signal, other in (("motor_position", "output_position"), ("motor_torque", "load_torque")):
-        # a joint's angle without a motor's is taken for the motor's
-        if signal not in taken and other in taken and not (signal == "motor_torque" and "current" in taken):
-            taken[signal] = taken.pop(other)
-    left_out = tuple(c.name for c in elsewhere if c not in taken.values())
-    return {name: taken[name] for name in _ORDER if name in taken}, left_out
-
-
-def _of_other_axes(
-    positions: Sequence[_Column], speed: _Column | None, time: HeaderWords | None, numbers: Mapping[str, np.ndarray]
-) -> list[_Column]:
-    """Those of several positions that go with the speed less than another does; none without a speed and a time."""
-    judged = [c for c in positions if not _has(c.read.words, FILTERED)]
-    if len(judged) < 2 or speed is None or time is None or not numbers:
-        return []
-    going = going_with_speed({c.name: numbers[c.name] for c in judged}, numbers[speed.name], numbers[time.name])
-    return [c for c in judged if c.name not in going]
-
-
-_ORDER = (
-    "temperature",
-    "load_torque",
-    "current_setpoint",
-    "current",
-    "speed_setpoint",
-    "output_command",
-    "output_position",
-    "motor_torque",
-    "speed",
-    "motor_position",
-    "voltage",
-)
-"""Signals in the order in which a map lists them."""
-
-
-def _of_one_train(one: _Column, other: _Column, numbers: Mapping[str, np.ndarray]) -> bool:
-    """Whether two positions always move together, or always against each other; False if there are no numbers."""
-    return bool(numbers) and likeness(numbers[one.name], numbers[other.name]) > 1.0 - SMALL
-
-
-def _measured_behind(torque: _Column) -> bool:
-    """Whether a torque's name says that a transducer measured it, which a drive does not have."""
-    return _has(torque.read.words, TRANSDUCER)
-
-
-def is_quadrature(words: Sequence[str]) -> bool:
-    """Whether the words of a current's name are those of the quadrature axis, which makes a motor's torque."""
-    return "q" in words or "iq" in words
 
 
 def _time(read: HeaderWords) -> Guess:
@@ -441,3 +214,9 @@ def _unit(read: HeaderWords, signal: str, motion: str) -> str | None:
     if read.unit == COUNTS:
         return COUNTS if signal in ("motor_position", "output_position") and motion == "rotary" else None
     return read.unit if read.unit in units_of(signal, motion) else None
+
+
+def _numbered(read: HeaderWords) -> Numbered:
+    """A column with its quantity, for the search for joints that are numbered in the names."""
+    column = signal_column(read)
+    return Numbered(read, None, False) if column is None else Numbered(read, column.quantity, column.setpoint)

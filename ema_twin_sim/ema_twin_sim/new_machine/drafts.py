@@ -25,13 +25,14 @@ from ..measured.way_by_speed import standing_position
 from ..model import load_model
 from ..model.constants import CONSTANTS
 from ..quantities import quantity
-from .columns import Guess, Guesses, is_quadrature
+from .columns import Guess, Guesses
 from .given import Given
 from .map_draft import draft_map
 from .model_draft import ModelDraft, draft_model, farthest
 from .position_beside_speed import not_summed, unlike_speed
 from .rows import may_be_points
 from .shaft import Shaft, is_possible, position_shaft, ratio_of_positions, too_slow_for_a_motor
+from .signal_columns import is_quadrature
 from .torque_beside_current import not_proportional
 from .unit_questions import questions_about_units
 from .unsigned_drive import unsigned_signals

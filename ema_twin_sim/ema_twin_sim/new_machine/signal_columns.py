@@ -1,0 +1,160 @@
+"""Which column each signal is taken from: the words distinguish measurement and setpoint, motor and output."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ema_bench_replay.traces.header_words import HeaderWords
+
+from ..criteria import SMALL
+from .column_quantity import has_word, word_quantity
+from .column_words import (
+    ACCELERATION_UNIT,
+    ACTUAL,
+    DIRECT_OR_PHASE,
+    FILTERED,
+    MOTOR,
+    NO_SIGNAL,
+    OUTPUT,
+    POWER_UNIT,
+    SETPOINT,
+    SUPPLY,
+    TRANSDUCER,
+)
+from .joints import likeness, travel
+from .position_beside_speed import going_with_speed
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column that may be a signal."""
+
+    read: HeaderWords
+    quantity: str
+    setpoint: bool
+    actual: bool
+    shaft: str  # motor, output, or empty if its name says none
+
+    @property
+    def name(self) -> str:
+        """Its name in the header."""
+        return self.read.name
+
+
+def signal_column(read: HeaderWords) -> Column | None:
+    """What a column may be; None if it is no signal."""
+    if has_word(read.words, NO_SIGNAL) or "ddot" in read.words:
+        return None
+    by_words = word_quantity(read.words)
+    quantity = read.quantity or by_words
+    if read.foreign and read.quantity is None and by_words is None:
+        return None
+    no_signals = POWER_UNIT if by_words == "torque" else f"{POWER_UNIT}|{ACCELERATION_UNIT}"  # a force may be in g
+    if read.quantity is None and (re.fullmatch(no_signals, read.foreign) or read.words[-2:] == ("k", "w")):
+        return None  # a letter beside it, as of an axis X or S, is no symbol of a position
+    if quantity in (None, "time", "power"):
+        return None
+    words = read.words
+    axis = next((word for word in words[1:] if word in DIRECT_OR_PHASE), None) if len(words) == 2 else None
+    if quantity in ("current", "voltage") and axis is not None:
+        return None
+    desired = quantity in ("position", "speed") and "d" in words[1:]
+    of_motor = has_word(words[1:], MOTOR) or has_word(words[:1], "motor|rotor")
+    shaft = "output" if has_word(words, OUTPUT) else "motor" if of_motor else ""
+    return Column(read, quantity, desired or has_word(words, SETPOINT), has_word(words, ACTUAL), shaft)
+
+
+def choose_signals(
+    columns: Sequence[Column], numbers: Mapping[str, np.ndarray], time: HeaderWords | None
+) -> tuple[dict[str, Column], tuple[str, ...]]:
+    """The column of each signal that has one, and the positions that are left out since another goes with the speed."""
+    taken: dict[str, Column] = {}
+
+    def of(quantity: str, *, setpoint: bool = False) -> list[Column]:
+        found = [c for c in columns if c.quantity == quantity and c.setpoint == setpoint and c not in taken.values()]
+        return sorted(found, key=lambda c: (has_word(c.read.words, FILTERED), c.shaft == "output", not c.actual))
+
+    def take(signal: str, found: Sequence[Column]) -> None:
+        if found:
+            taken[signal] = found[0]
+
+    take("temperature", of("temperature"))
+    torques, currents = of("torque"), of("current")
+    behind = [c for c in torques if c.shaft == "output" or (c.shaft == "" and currents and _measured_behind(c))]
+    take("motor_torque", [c for c in torques if c not in behind])
+    take("load_torque", behind)
+    for signal, setpoint in (("current", False), ("current_setpoint", True)):
+        take(signal, sorted(of("current", setpoint=setpoint), key=lambda c: not is_quadrature(c.read.words)))
+    take("voltage", of("voltage"))
+    take("speed", of("speed"))
+    take("speed_setpoint", of("speed", setpoint=True))
+    take("output_command", of("position", setpoint=True))
+    positions = of("position")
+    outputs = [c for c in positions if c.shaft == "output"]
+    unsaid = [c for c in positions if c.shaft == ""]
+    named = any(c.shaft == "motor" for c in positions)
+    elsewhere = [] if named else _of_other_axes(unsaid, taken.get("speed"), time, numbers)
+    if numbers:
+        unsaid.sort(key=lambda c: (has_word(c.read.words, FILTERED), c in elsewhere, -travel(c.read, numbers)))
+    take("motor_position", [*(c for c in positions if c.shaft == "motor"), *unsaid])
+    if (motor := taken.get("motor_position")) is not None:
+        beside = [c for c in unsaid if c is not motor and not has_word(c.read.words, FILTERED)]
+        outputs += [c for c in beside if _of_one_train(motor, c, numbers)]
+    take("output_position", outputs)
+    for signal, other in (("motor_position", "output_position"), ("motor_torque", "load_torque")):
+        # a joint's angle without a motor's is taken for the motor's
+        if signal not in taken and other in taken and not (signal == "motor_torque" and "current" in taken):
+            taken[signal] = taken.pop(other)
+    return taken, tuple(c.name for c in elsewhere if c not in taken.values())
+
+
+def _of_other_axes(
+    positions: Sequence[Column], speed: Column | None, time: HeaderWords | None, numbers: Mapping[str, np.ndarray]
+) -> list[Column]:
+    """Those of several positions that go with the speed less than another does; none without a speed and a time."""
+    judged = [c for c in positions if not has_word(c.read.words, FILTERED)]
+    if len(judged) < 2 or speed is None or time is None or not numbers:
+        return []
+    going = going_with_speed({c.name: numbers[c.name] for c in judged}, numbers[speed.name], numbers[time.name])
+    return [c for c in judged if c.name not in going]
+
+
+def _of_one_train(one: Column, other: Column, numbers: Mapping[str, np.ndarray]) -> bool:
+    """Whether two positions always move together, or always against each other; False if there are no numbers."""
+    return bool(numbers) and likeness(numbers[one.name], numbers[other.name]) > 1.0 - SMALL
+
+
+def _measured_behind(torque: Column) -> bool:
+    """Whether a torque's name says that a transducer measured it, which a drive does not have."""
+    return has_word(torque.read.words, TRANSDUCER)
+
+
+def is_quadrature(words: Sequence[str]) -> bool:
+    """Whether the words of a current's name are those of the quadrature axis, which makes a motor's torque."""
+    return "q" in words or "iq" in words
+
+
+def drive_command(columns: Sequence[Column], numbers: Mapping[str, np.ndarray]) -> Column | None:
+    """A command of the torque, or else of the current, that changes: it serves if neither was measured."""
+    commands = [c for c in columns if c.setpoint and not (c.name in numbers and np.ptp(numbers[c.name]) == 0.0)]
+    torques = [c for c in commands if c.quantity == "torque"]
+    currents = sorted((c for c in commands if c.quantity == "current"), key=lambda c: not is_quadrature(c.read.words))
+    found = sorted(torques, key=lambda c: c.shaft == "output") or currents
+    return min(found, key=lambda c: has_word(c.read.words, FILTERED), default=None)
+
+
+def supply_current(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> Column | None:
+    """The supply's current, if it is never negative: how large the motor's is, without its sign."""
+    for read in names:
+        words = tuple(word for word in read.words if not re.search(SUPPLY, word))
+        values = numbers.get(read.name)
+        if len(words) == len(read.words) or values is None or not np.nanmin(values, initial=0.0) >= 0.0:
+            continue
+        column = signal_column(replace(read, words=words))
+        if column is not None and column.quantity == "current" and not column.setpoint:
+            return replace(column, read=read)
+    return None

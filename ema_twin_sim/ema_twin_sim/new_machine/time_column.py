@@ -1,0 +1,44 @@
+"""Which column of a trace is the time."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ema_bench_replay.traces.header_words import HeaderWords, in_other_letters
+
+from .clock import is_uneven
+from .column_quantity import has_word, word_quantity
+from .column_words import NO_SIGNAL, TIME_IN_OTHER_LETTERS, TIME_WORDS
+
+
+def time_column(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> HeaderWords | None:
+    """The time column: by its name, or by a unit of time; of several, the first that rises.
+
+    One with both is the clock even if it does not rise: reading it tells what is wrong with it. One with the unit alone
+    must go in even steps, as a clock does: the slip of a motor may be given in s as well.
+    """
+    called = [read for read in names if _is_time(read)]
+    others = [read for read in names if read.quantity == "time" and read not in called]
+    if called and not numbers:
+        return called[0]
+    rising = [read for read in (*called, *others) if read.name in numbers and (np.diff(numbers[read.name]) > 0.0).all()]
+    rising = [read for read in rising if read in called or not is_uneven(numbers[read.name])]
+    clocks = [read for read in called if read.quantity == "time"]
+    return next(iter((*(read for read in rising if read in called), *clocks, *rising, *called)), None)
+
+
+def _is_time(read: HeaderWords) -> bool:
+    if read.quantity not in ("time", None) or read.foreign:
+        return False
+    if not read.words and in_other_letters(read.name):
+        return re.search(TIME_IN_OTHER_LETTERS, read.name.lower()) is not None
+    known = all(re.search(TIME_WORDS, word) for word in read.words) and bool(read.words or read.quantity)
+    if read.quantity == "time":
+        # the x axis of a plot is time if its unit is one of time
+        return known or word_quantity(read.words) == "time" or read.words == ("x",)
+    if read.words == ("x", "value"):  # LabVIEW's name for the time of a measurement
+        return True
+    return known or (has_word(read.words, r"time|zeit|stamp") and not has_word(read.words, NO_SIGNAL))
