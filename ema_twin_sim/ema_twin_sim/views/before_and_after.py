@@ -17,11 +17,10 @@ from ..report.steps import falling
 from ..words.findings import Findings
 from ..words.sentences import effect_words
 from .beside_curves import colour_of
-from .drawn_bars import Bar, draw_bars
+from .drawn_bars import Bar, bars_view, draw_bars
 from .drawn_chart import draw
-from .failing import sheet_view
 from .palette import AFTER
-from .sheet import Sheet, linear_axis, log_axis, named_axis
+from .sheet import Sheet, linear_axis, log_axis, named_axis, sheet_view
 
 ROOT = "after"
 _COLOURS = ("orange", "blue", "pink")
@@ -48,7 +47,8 @@ def _errors(given: Shown, names: Sequence[str]) -> list[Bar]:
             if error["noise_floor"] > 0.0:
                 times = error["rmse"] / error["noise_floor"]
                 text = f"{quantity(error['rmse'], error['unit'])}, {times:.3g} × noise"
-                bars.append(Bar(f"{signal_words(name)}, {model}", times, text, colour_of(number)))
+                label = signal_words(name) if number == len(names) // 2 else ""
+                bars.append(Bar(f"{signal_words(name)}, {model}", times, text, colour_of(number), label=label))
     return bars
 
 
@@ -82,7 +82,7 @@ def _log_outputs(stream: rr.RecordingStream, outputs: Sequence[tuple[str, float]
     sheet.done()
 
 
-def after_tab(findings: Findings | None) -> rrb.Container:
+def after_tab(given: Shown, names: Sequence[str], findings: Findings | None) -> rrb.Container:
     """All models' errors on the left, how they fell on the right."""
     steps = []
     if findings is not None and findings.unseen is not None and len(findings.unseen.rmse) > 1:
@@ -90,5 +90,5 @@ def after_tab(findings: Findings | None) -> rrb.Container:
         steps.append(sheet_view(f"{ROOT}/falling", f"RMSE of the {words} after each step, on unseen recordings"))
     if findings is not None and len(_outputs(findings)) > 1:
         steps.append(sheet_view(f"{ROOT}/output", "RMSE of the output's position after each step"))
-    errors = sheet_view(f"{ROOT}/errors", "errors before and after, all recordings")
+    errors = bars_view(f"{ROOT}/errors", "errors before and after, all recordings", len(_errors(given, names)))
     return rrb.Horizontal(errors, *([rrb.Vertical(*steps)] if steps else []), name="after")

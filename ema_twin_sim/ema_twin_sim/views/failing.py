@@ -13,7 +13,7 @@ from ..report.content import signal_words
 from ..report.residual_charts import Failures
 from .drawn_chart import draw
 from .palette import TEXT
-from .sheet import HIGH, RIGHT, TOP, WIDE
+from .sheet import RIGHT, TOP, sheet_view
 
 ROOT = "where_it_fails"
 _SHARES, _SHARES_OF_THREE = [2, 1], [3, 2]
@@ -105,9 +105,3 @@ def failing_tab(found: Sequence[Failures], models: int) -> rrb.Container:
             )
         )
     return rrb.Tabs(*tabs, name="where it fails")
-
-
-def sheet_view(at: str, name: str) -> rrb.Spatial2DView:
-    """A view of a sheet as a whole."""
-    bounds = rrb.VisualBounds2D(x_range=[0.0, WIDE], y_range=[0.0, HIGH])
-    return rrb.Spatial2DView(origin=at, name=name, visual_bounds=bounds)

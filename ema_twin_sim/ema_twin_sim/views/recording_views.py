@@ -43,7 +43,7 @@ def write_views(
     if findings is not None:
         tabs.append(why_tab(findings))
     if len(models) > 1:
-        tabs.append(after_tab(findings))
+        tabs.append(after_tab(given, names, findings))
     gearing, motion = gearing_shown(models[-1]), None
     if gearing is not None:
         played = given.recordings[given.telling]

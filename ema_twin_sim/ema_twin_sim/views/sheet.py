@@ -12,16 +12,18 @@ from dataclasses import dataclass
 
 import numpy as np
 import rerun as rr
+import rerun.blueprint as rrb
 
 from .palette import QUIET, RULE, TEXT, Colour
 
-WIDE, HIGH = 160.0, 91.0
-"""The size of a sheet."""
+WIDE, ABOVE, HIGH = 160.0, -5.0, 91.0
+"""The width of a sheet, and where it begins and ends."""
 LEFT, RIGHT, TOP, BOTTOM = 21.0, 156.0, 18.0, 71.0
 """The frame's edges, unless it is made narrower."""
 _LETTER, _AROUND = 2.0, 4.0  # units, width of a letter and of the space around a word in a view of 640 by 310 pixels
 _KEY_LETTER, _KEY_ROOM = 2.5, 5.0  # units, a letter and the room around a word in a view of 400 pixels: no overlaps
-_KEY_ROW, _KEY_ROWS = 10.0, (8.0, 13.4)  # places of the legend between a sheet's title and its frame: one row, or two
+_TITLE = -1.0  # place of a sheet's title
+_KEY_ROW, _KEY_ROWS = 10.0, (5.8, 13.2)  # places of the legend between a sheet's title and its frame: one row, or two
 _ABOVE = 2.4  # units that rerun puts words below their point
 _TICKS = 6  # approximate number of ticks
 
@@ -72,14 +74,31 @@ def named_axis(names: Sequence[str], title: str) -> Axis:
     return Axis(-0.5, len(names) - 0.5, places, tuple(names), title)
 
 
+def sheet_view(at: str, name: str, high: float = HIGH) -> rrb.Spatial2DView:
+    """A view of a sheet as a whole."""
+    bounds = rrb.VisualBounds2D(x_range=[0.0, WIDE], y_range=[ABOVE, high])
+    return rrb.Spatial2DView(origin=at, name=name, visual_bounds=bounds)
+
+
 class Sheet:
-    """Draws below the entity ``at`` of a stream; everything is static. The frame reaches from ``left`` to ``right``."""
+    """Draws below the entity ``at`` of a stream; everything is static.
+
+    The frame reaches from ``left`` to ``right`` and down to ``bottom``.
+    """
 
     def __init__(
-        self, stream: rr.RecordingStream, at: str, x: Axis, y: Axis, *, left: float = LEFT, right: float = RIGHT
+        self,
+        stream: rr.RecordingStream,
+        at: str,
+        x: Axis,
+        y: Axis,
+        *,
+        left: float = LEFT,
+        right: float = RIGHT,
+        bottom: float = BOTTOM,
     ) -> None:
         self._stream, self._at, self._x, self._y = stream, at, x, y
-        self._left, self._right = left, right
+        self._left, self._right, self._bottom = left, right, bottom
         self._words: list[tuple[float, float, str, Colour]] = []
         self._frame()
 
@@ -87,26 +106,26 @@ class Sheet:
         corners = [
             [self._left, TOP],
             [self._right, TOP],
-            [self._right, BOTTOM],
-            [self._left, BOTTOM],
+            [self._right, self._bottom],
+            [self._left, self._bottom],
             [self._left, TOP],
         ]
         at_x = [float(v) for v in self._left + (self._right - self._left) * self._x.share(np.array(self._x.ticks))]
-        at_y = [float(v) for v in BOTTOM - (BOTTOM - TOP) * self._y.share(np.array(self._y.ticks))]
-        grid = [[[x, TOP], [x, BOTTOM]] for x in at_x] + [[[self._left, y], [self._right, y]] for y in at_y]
+        at_y = [float(v) for v in self._bottom - (self._bottom - TOP) * self._y.share(np.array(self._y.ticks))]
+        grid = [[[x, TOP], [x, self._bottom]] for x in at_x] + [[[self._left, y], [self._right, y]] for y in at_y]
         self._log("grid", rr.LineStrips2D(grid, colors=[RULE], radii=[-0.4], draw_order=0.0))
         self._log("frame", rr.LineStrips2D([corners], colors=[QUIET], radii=[-0.7], draw_order=1.0))
         for x, word in zip(at_x, self._x.words, strict=True):
-            self.write(x, BOTTOM + _ABOVE + 2.5, word, QUIET)
+            self.write(x, self._bottom + _ABOVE + 2.5, word, QUIET)
         for y, word in zip(at_y, self._y.words, strict=True):
             self.write_to(self._left - 1.0, y, word, QUIET)
-        self.write(0.5 * (self._left + self._right), BOTTOM + 13.0, self._x.title, TEXT)
-        self.write_from(self._left, 2.5, self._y.title, TEXT)
+        self.write(0.5 * (self._left + self._right), self._bottom + 13.0, self._x.title, TEXT)
+        self.write_from(self._left, _TITLE, self._y.title, TEXT)
 
     def place(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Values (n,) as points (n, 2) of the sheet, limited to the frame."""
         across = self._left + (self._right - self._left) * np.clip(self._x.share(x), 0.0, 1.0)
-        up = BOTTOM - (BOTTOM - TOP) * np.clip(self._y.share(y), 0.0, 1.0)
+        up = self._bottom - (self._bottom - TOP) * np.clip(self._y.share(y), 0.0, 1.0)
         return np.column_stack(np.broadcast_arrays(across, up))
 
     def line(

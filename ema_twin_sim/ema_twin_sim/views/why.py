@@ -11,11 +11,10 @@ from ..words.findings import Findings, Signature
 from ..words.parameters import numbers_of
 from ..words.ranking import other_answers, ranked_words, worth_showing
 from ..words.sentences import effect_words, removed_words
-from .drawn_bars import Bar, draw_bars
+from .drawn_bars import Bar, bars_view, draw_bars
 from .drawn_chart import draw
-from .failing import sheet_view
 from .palette import AFTER, FAINT
-from .sheet import linear_axis
+from .sheet import linear_axis, sheet_view
 
 ROOT = "why"
 _LONG = 90  # letters; a longer verdict takes a second line, so its heading is smaller
@@ -76,9 +75,9 @@ def why_tab(findings: Findings) -> rrb.Container:
     """The verdict on top, the bars below it, and below them the signatures."""
     bars = []
     if findings.ranking:
-        bars.append(sheet_view(f"{ROOT}/ranking", "which effect is missing: probabilities"))
-    if _sizes(findings):
-        bars.append(sheet_view(f"{ROOT}/sizes", "the numbers that were found, with their standard errors"))
+        bars.append(bars_view(f"{ROOT}/ranking", "which effect is missing: probabilities", len(_ranking(findings))))
+    if sizes := _sizes(findings):
+        bars.append(bars_view(f"{ROOT}/sizes", "the numbers that were found, with their standard errors", len(sizes)))
     signatures = [
         sheet_view(f"{ROOT}/signature_{number}", _title(signature))
         for number, signature in enumerate(told_signatures(findings))
