@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import rerun as rr
 
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.quantities import quantity
@@ -133,7 +134,9 @@ class TestWhyAndAfter:
         for model, comparison in zip(NAMES, given.comparisons, strict=True):
             error = comparison.overall["output_position"]
             times = f"{error['rmse'] / error['noise_floor']:.3g} × noise"
-            assert f"{quantity(error['rmse'], 'rad')}, {times}" in words and f"output position, {model}" in words
+            assert f"{quantity(error['rmse'], 'rad')}, {times}" in words
+            assert f"/after/errors/{rr.escape_entity_path_part(f'output position, {model}')}" in views.entities
+        assert "output position" in words
 
     def test_the_error_falls_step_by_step(self, views):
         words = views.words("/after/falling")

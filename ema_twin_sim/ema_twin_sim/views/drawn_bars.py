@@ -17,6 +17,7 @@ START, END = 74.0, 112.0
 THICKEST = 1.6
 """Maximum half thickness of a bar in units, which is also the radius of its round end."""
 _MOST_LETTERS = 42  # of a name
+_DOT = 0.01  # units, of the shortest bar between its round ends
 _THICK = 0.3  # half thickness, as a share of the row
 _LOWEST, _HIGHEST = 5.2, 9.0  # units, height of a row: at least so that numbers do not touch, and at most
 
@@ -62,8 +63,10 @@ def draw_bars(stream: rr.RecordingStream, at: str, bars: Sequence[Bar], axis: Ax
         end = START + (END - START) * float(np.clip(axis.share(bar.value), 0.0, 1.0))
         first = START + half  # the ends of thick lines are round
         sheet.bar(f"room {number}", [(first, middle), (END - half, middle)], half, GRID, 5.0)
-        if end > first + half:
-            sheet.bar(bar.name, [(first, middle), (end - half, middle)], half, bar.colour, 15.0)
+        if end > START:
+            sheet.bar(
+                bar.name, [(first, middle), (max(end, first + half + _DOT) - half, middle)], half, bar.colour, 15.0
+            )
         label, colour = (bar.name, bar.colour) if bar.label is None else (bar.label, TEXT)
         sheet.write_to(START - 1.0, middle, _short(label), colour)
         sheet.write_from(END + 2.0, middle, bar.text, bar.colour)

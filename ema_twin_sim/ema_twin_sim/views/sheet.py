@@ -16,14 +16,14 @@ import rerun.blueprint as rrb
 
 from .palette import QUIET, RULE, TEXT, Colour
 
-WIDE, ABOVE, HIGH = 160.0, -5.0, 91.0
+WIDE, ABOVE, HIGH = 160.0, -8.0, 91.0
 """The width of a sheet, and where it begins and ends."""
 LEFT, RIGHT, TOP, BOTTOM = 21.0, 156.0, 18.0, 71.0
 """The frame's edges, unless it is made narrower."""
 _LETTER, _AROUND = 2.0, 4.0  # units, width of a letter and of the space around a word in a view of 640 by 310 pixels
 _KEY_LETTER, _KEY_ROOM = 2.5, 5.0  # units, a letter and the room around a word in a view of 400 pixels: no overlaps
-_TITLE = -1.0  # place of a sheet's title
-_KEY_ROW, _KEY_ROWS = 10.0, (5.8, 13.2)  # places of the legend between a sheet's title and its frame: one row, or two
+_TITLE = -3.5  # place of a sheet's title
+_KEY_ROW, _KEY_ROWS = 10.0, (4.0, 11.6)  # places of the legend between a sheet's title and its frame: one row, or two
 _ABOVE = 2.4  # units that rerun puts words below their point
 _TICKS = 6  # approximate number of ticks
 
