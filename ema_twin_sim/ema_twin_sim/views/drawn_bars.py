@@ -43,7 +43,7 @@ def _short(name: str) -> str:
 
 def bars_view(at: str, name: str, count: int) -> rrb.Spatial2DView:
     """A view of so many bars as a whole."""
-    return sheet_view(at, name, HIGH + _below(count))
+    return sheet_view(at, name, 0.0, HIGH + _below(count))
 
 
 def _below(count: int) -> float:

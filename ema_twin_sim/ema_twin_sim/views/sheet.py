@@ -74,9 +74,9 @@ def named_axis(names: Sequence[str], title: str) -> Axis:
     return Axis(-0.5, len(names) - 0.5, places, tuple(names), title)
 
 
-def sheet_view(at: str, name: str, high: float = HIGH) -> rrb.Spatial2DView:
-    """A view of a sheet as a whole."""
-    bounds = rrb.VisualBounds2D(x_range=[0.0, WIDE], y_range=[ABOVE, high])
+def sheet_view(at: str, name: str, first: float = ABOVE, last: float = HIGH) -> rrb.Spatial2DView:
+    """A view of a sheet as a whole, from its ``first`` unit to its ``last`` one."""
+    bounds = rrb.VisualBounds2D(x_range=[0.0, WIDE], y_range=[first, last])
     return rrb.Spatial2DView(origin=at, name=name, visual_bounds=bounds)
 
 
