@@ -14,9 +14,10 @@ from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.on_bound import TURNED, on_bounds, reached_bound, torque_sign_reversed
 from ema_twin_sim.measured.observe import observe
+from ema_twin_sim.plant.measured_motion import SPEED
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
-from tests.large_arm import open_arm, swings_of
+from tests.large_arm import COULOMB, INERTIA, VISCOUS, open_arm, swings_of
 
 
 def test_the_rule():
@@ -75,6 +76,23 @@ def test_the_sign_is_told_beside_a_load_and_a_friction_that_is_hardly_known(sign
     h = null_hypothesis(arm).with_effect("constant_load", {}, {"torque": 1.0})
     h = h.put({free.path: 1e-3 for free in h.free if free.path in ("scale.coulomb_friction", "scale.viscous_friction")})
     assert torque_sign_reversed(problem, fit(problem, h, 20)) == turned
+
+
+@pytest.mark.parametrize("turned_order", [False, True])
+def test_it_does_not_matter_which_friction_the_model_names_first(turned_order):
+    arm = open_arm(inertia=INERTIA)
+    if turned_order:
+        arm = replace(arm, effects=dict(reversed([*arm.effects.items()])))
+    known = replace(arm.constants["machine.motor_inertia"], tolerance=0.05)
+    arm = replace(arm, constants={**arm.constants, "machine.motor_inertia": known})
+    problem = EquationErrorProblem([_with_coulomb(observe(swing, arm), -3.0 * COULOMB) for swing in swings_of(arm)])
+    assert torque_sign_reversed(problem, fit(problem, null_hypothesis(arm), 20))
+
+
+def _with_coulomb(o, level):
+    """Rows of the arm with this Coulomb friction [N m] and no viscous one."""
+    speed = o.motion[o.rows, SPEED]
+    return replace(o, torque=o.torque + (level - COULOMB) * np.sign(speed) - VISCOUS * speed)
 
 
 def test_a_torque_that_is_filtered_is_no_torque_of_wrong_sign():

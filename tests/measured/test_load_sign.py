@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.recording import POINTS, Recording
-from ema_twin_sim.measured.load_sensor import falls_with_load, follows_load, load_varies
+from ema_twin_sim.measured.load_sensor import falls_with_load, follows_load, load_varies, torque_per_current
 
 TIME = np.arange(8000) * 2e-3
 SWINGS = 1.2 * 0.9 * np.cos(0.9 * TIME)
@@ -100,3 +100,29 @@ def test_noise_of_a_sensor_is_no_load_that_changes(swing, varies, zero, seconds)
 def test_a_few_samples_of_motion_tell_no_noise():
     load = np.array([1.0, 2.0, 1.5])
     assert not load_varies(Recording("short", np.arange(3) * 10**6, {"current": load, "load_torque": load}))
+
+
+@pytest.mark.parametrize(
+    "load",
+    [
+        np.full(5000, 0.1),
+        np.where(np.arange(5000) % 100 == 0, 0.01, 0.0),
+        0.02 * np.linspace(0.0, 1.0, 5000) + 1e-3 * np.random.default_rng(1).standard_normal(5000),
+    ],
+    ids=["constant", "one digit now and then", "drift"],
+)
+def test_an_offset_is_no_load_that_changes(load):
+    idle = Recording("idle", np.arange(5000) * 10**6, {"current": np.ones(5000), "load_torque": load})
+    assert not load_varies(idle)
+
+
+def test_the_factor_of_the_current_is_told_by_a_load_that_goes_with_it_alone():
+    time = 1e-3 * np.arange(20_000)
+    speed = 20.0 * np.sin(2.0 * time)
+    load = np.interp(time, 0.7 * np.arange(30), np.random.default_rng(3).uniform(-1.0, 1.0, 30))
+    current = (load + 0.02 * speed + 0.3 * np.tanh(speed) + 1e-3 * 40.0 * np.cos(2.0 * time)) / 1.9
+    offset = 0.01 * np.sin(0.3 * time)
+    for measured, factor in ((load, 1.9), (offset, None)):
+        signals = {"current": current, "speed": speed, "load_torque": measured}
+        told = torque_per_current([Recording("run", np.rint(1e9 * time).astype(np.int64), signals)])
+        assert told == (None if factor is None else pytest.approx(factor, rel=0.05))

@@ -58,6 +58,27 @@ def test_a_sample_that_was_taken_late_is_kept():
     assert without_spoilt_motion(late) is late
 
 
+@pytest.mark.parametrize("rest", [0, 10_000])
+def test_a_slip_that_the_position_shows_is_kept_however_long_the_machine_rests(rest):
+    speed = np.zeros(1500 + rest)
+    speed[5:1500:60] = 5.0
+    position = 0.02 * np.cumsum(speed)
+    stamps = np.rint(2e7 * np.arange(len(speed))).astype(np.int64)
+    noisy = speed + 0.01 * np.random.default_rng(2).standard_normal(len(speed))
+    shown = Recording("run", stamps, {"speed": noisy, "motor_position": position})
+    assert without_spoilt_motion(shown) is shown
+    if rest:
+        still = Recording("run", stamps, {"speed": noisy, "motor_position": 0.0 * position})
+        assert np.isnan(without_spoilt_motion(still).signals["speed"]).sum() == 25
+
+
+def test_what_happens_often_is_no_error():
+    speed = a_run()
+    speed[::40] = 0.0
+    alone = Recording("run", np.rint(1e9 * TIME).astype(np.int64), {"speed": speed})
+    assert without_spoilt_motion(alone) is alone
+
+
 def test_missing_samples_between_are_no_errors():
     speed = a_run()
     speed[::5] = np.nan

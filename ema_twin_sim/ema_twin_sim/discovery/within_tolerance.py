@@ -21,6 +21,7 @@ from ..identification.hypothesis import Hypothesis
 from ..measured.load_sensor import load_varies, torque_per_current
 from ..model import Model
 from ..model.check_comment import is_assumed
+from ..model.matching import by_torque
 from ..model.model_file import TORQUE_CONSTANT
 from ..model.roles import TORQUE_FACTOR
 from .search.trace import Search
@@ -29,17 +30,18 @@ WITHIN = "it is within the tolerance of the model's torque constant, which is re
 
 
 def with_assumed_constant_free(null: Hypothesis, recordings: Sequence[Recording]) -> Hypothesis:
-    """The null hypothesis with an assumed torque constant entirely free, if a load that varies was measured.
+    """The null hypothesis with an assumed torque constant entirely free, if a measured load tells it.
 
     Only if other constants are open too: nobody knows those of a machine and assumes its torque constant.
     """
     constant = null.base.constants[TORQUE_CONSTANT]
-    known = not null.base.is_open or not is_assumed(constant.source) or TORQUE_FACTOR in null.held
-    if known or not any(recording.has("current") and load_varies(recording) for recording in recordings):
+    if not null.base.is_open or not is_assumed(constant.source) or TORQUE_FACTOR in null.held:
+        return null
+    told = None if by_torque(recordings) else torque_per_current(recordings)
+    if told is None:
         return null
     (name,) = (free := null.with_effect(TORQUE_FACTOR, {}, {"scale": 1.0})).added
-    start = torque_per_current(recordings) or constant.value
-    return free.with_factor_as_constant(name, math.inf).put({f"scale.{TORQUE_FACTOR}": start / constant.value})
+    return free.with_factor_as_constant(name, math.inf).put({f"scale.{TORQUE_FACTOR}": told / constant.value})
 
 
 def with_factor_as_constant(found: Search, recordings: Sequence[Recording]) -> Search:

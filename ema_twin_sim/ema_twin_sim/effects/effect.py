@@ -101,7 +101,8 @@ NOTHING_KNOWN = Circumstances(_NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _N
 class Implausible:
     """A rule for values of a parameter that no machine has, and the question to ask: something else may be missing.
 
-    If it is ``never`` possible, whatever the other constants are, ``discover`` names no such effect.
+    If it is ``never`` possible, whatever the other constants are, ``discover`` names no such effect of a machine whose
+    constants are open.
     """
 
     parameter: str

@@ -43,21 +43,26 @@ def gain_on_correlated_noise(problem: EquationErrorProblem, before: Fit, after: 
     return gained
 
 
-def noise_along(problem: EquationErrorProblem, residual: np.ndarray, direction: np.ndarray) -> float:
+def noise_along(problem: EquationErrorProblem, f: Fit, direction: np.ndarray) -> float:
     """Standard deviation of the sum of noise times a ``direction`` (m,), over the torque rows.
 
-    The noise is like a ``residual`` (m,): of its spectrum, recording by recording; at operating points it is white.
+    The noise is like a fit's residual, of its spectrum recording by recording, with what the fit's own numbers took out
+    filled in as above; at operating points it is white.
     """
     variance = 0.0
+    taken, _ = np.linalg.qr(f.jacobian[: problem.size])
     for o, part in zip(problem.observations, problem.torque_parts, strict=True):
         rows = part.stop - part.start
         if rows == 0:
             continue
+        residual, along = f.residual[part], direction[part]
         if o.of_points:
-            variance += float(residual[part] @ residual[part]) * float(direction[part] @ direction[part]) / rows
-        else:
-            powers = (np.abs(np.fft.rfft(each[part])) ** 2 for each in (residual, direction))
-            variance += float(_multiplicity(rows) @ np.prod([*powers], axis=0)) / rows**2
+            share = float(np.sum(taken[part] ** 2)) / rows
+            variance += float(residual @ residual) / max(rows * (1.0 - share), 1.0) * float(along @ along)
+            continue
+        power, along_power = (np.abs(np.fft.rfft(each)) ** 2 for each in (residual, along))
+        share = (np.abs(np.fft.rfft(taken[part], axis=0)) ** 2).sum(axis=1) / rows
+        variance += float(_multiplicity(rows) @ (_before_it(power, share) * along_power)) / rows**2
     return math.sqrt(variance)
 
 

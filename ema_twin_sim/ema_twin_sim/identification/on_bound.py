@@ -50,9 +50,9 @@ def on_bounds(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float]) 
 def torque_sign_reversed(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float] | None = None) -> bool:
     """Whether the torque of an unknown machine acts against it: none of its inertia and friction is above zero.
 
-    Either all ended at their least, or one of them would surely be negative without bounds and none surely positive. A
-    filtered torque makes the inertia alone negative. ``sure`` are the standard errors by path, if they are known
-    already.
+    Either all ended at their least, or at least one did, and one would surely be negative without bounds and none
+    surely positive. A filtered torque makes the inertia alone negative. ``sure`` are the standard errors by path, if
+    they are known already.
     """
     paths = {f"scale.{what}" for what in ("inertia", *FRICTION)}
     asked = {k: free.path for k, free in enumerate(f.hypothesis.free) if free.path in paths and free.prior is None}
@@ -61,7 +61,7 @@ def torque_sign_reversed(problem: EquationErrorProblem, f: Fit, sure: Mapping[st
     ended = _ended(problem, f, standard_errors(problem, f) if sure is None else sure)
     if all(ended[path] == "lower" for path in asked.values()):
         return True
-    if ended[asked[min(asked)]] != "lower":
+    if "lower" not in {ended[path] for path in asked.values()}:
         return False
     away = _without_bounds(f)
     return min(away[k] for k in asked) < -SIGNIFICANT and max(away[k] for k in asked) < LIKELY

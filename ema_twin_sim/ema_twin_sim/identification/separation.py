@@ -39,7 +39,7 @@ def separation(better: Fit, other: Fit) -> float:
     away = two - one
     lost = float(two @ two - one @ one)
     white = float(np.linalg.norm(away)) * np.sqrt(problem.correlation * np.mean(one**2))
-    return (lost + float(away @ away)) / max(2.0 * white, 2.0 * noise_along(problem, one, away), 1e-300)
+    return (lost + float(away @ away)) / max(2.0 * white, 2.0 * noise_along(problem, better, away), 1e-300)
 
 
 def encoders_tell_apart(one: Fit, other: Fit) -> bool:

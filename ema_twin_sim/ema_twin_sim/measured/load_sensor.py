@@ -14,7 +14,8 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..criteria import CORRELATION, FEWEST_ROWS, NEGLIGIBLE, PART, SIGNIFICANT, TOO_MUCH
-from ..reading_noise import reading_noise
+from ..reading_noise import polled_noise, reading_noise
+from .row_noise import smallest_step
 from .smoothing import gaussian, smooth
 from .spoilt_samples import despiked
 
@@ -59,7 +60,7 @@ def times_current(recordings: Sequence[Recording]) -> float | None:
 
 
 def load_varies(recording: Recording) -> bool:
-    """Whether a recording has a load that changes by more than its sensor's noise.
+    """Whether a recording has a load that changes by more than its sensor's noise, its smallest step and its drift.
 
     A sensor that bears none, or always the same, tells nothing. Of operating points, each of which may be a mean,
     nothing tells the noise: there a share of the largest load must change.
@@ -68,25 +69,28 @@ def load_varies(recording: Recording) -> bool:
     known = load[np.isfinite(load)]
     if recording.of_points:
         return len(known) > 1 and float(np.ptp(known)) > NEGLIGIBLE * float(np.abs(known).max())
-    if len(known) < FEWEST_ROWS:
+    if len(known) < FEWEST_ROWS or not np.ptp(known) > 0.0:
         return False
-    return float(np.std(despiked(known))) > TOO_MUCH * reading_noise(known)
+    drift = np.stack([np.ones(len(known)), np.linspace(-1.0, 1.0, len(known))], axis=1)
+    changes = float(np.std(_beside(drift, despiked(known))))
+    return changes > max(TOO_MUCH * polled_noise(known), smallest_step(known))
 
 
 def torque_per_current(recordings: Sequence[Recording]) -> float | None:
-    """The factor on the current [N m/A] by which it drives the measured load beside the motion; None if none does.
+    """The factor on the current [N m/A] by which it drives the measured load beside the motion; None if it does not.
 
-    By regression of the load: what the current drives beyond inertia and friction. It is a start for a fit.
+    By regression of the load: what the current drives beyond inertia and friction. It is a start for a fit. A load that
+    hardly goes with the current is a sensor's offset.
     """
+    recordings = [r for r in recordings if r.has("current", "load_torque") and load_varies(r)]
     points = [_rows_of_points(r) for r in recordings if r.of_points]
-    rows = np.concatenate(points) if points else _all_rows(recordings)
-    if len(rows) < _FEWEST_POINTS:
+    rows = np.concatenate([*points, _all_rows(recordings)])
+    likeness = _likeness_of(rows) if len(rows) > _MOTION + _FEWEST_POINTS else None
+    if likeness is None or likeness < PART:
         return None
     motion, load, drive = rows[:, :_MOTION], rows[:, _MOTION], rows[:, _MOTION + 1]
     load, drive = _beside(motion, load), _beside(motion, drive)
-    size = float(drive @ drive)
-    factor = float(load @ drive) / size if size > 0.0 else 0.0
-    return factor if factor > 0.0 else None
+    return float(load @ drive) / float(drive @ drive)
 
 
 def falls_with_load(recordings: Sequence[Recording]) -> bool:

@@ -38,7 +38,7 @@ def as_measured(recordings: Sequence[Recording], model: Model) -> list[Recording
     The first recording without its speed carries the warning. Raises InputError if recordings and model do not belong
     together.
     """
-    found = _told_once(recordings, [without_spoilt_motion(matched(recording, model)) for recording in recordings])
+    found = _told_once(recordings, [matched(without_spoilt_motion(recording), model) for recording in recordings])
     coarse = {k: both for k, one in enumerate(found) if (both := _noise_and_acceleration(one, model)) is not None}
     noise, acceleration = (
         (float(sum(column)) for column in zip(*coarse.values(), strict=True)) if coarse else (0.0, 0.0)

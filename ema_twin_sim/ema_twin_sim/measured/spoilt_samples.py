@@ -7,10 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from ema_bench_replay.long_columns import by_pieces, places_where
-from ema_bench_replay.recording import Recording
+from ema_bench_replay.long_columns import Column, by_pieces, pieces, places_where, values_at
+from ema_bench_replay.recording import AT, Recording
 
-from ..criteria import LIKELY, NEARLY_ALL, PART, SPIKE
+from ..criteria import LIKELY, NEARLY_ALL, NEGLIGIBLE, PART, SPIKE
 from ..listing import number_of
 from .sliding import moving_maximum, moving_median
 
@@ -53,26 +53,54 @@ def spoilt(values: np.ndarray) -> np.ndarray:
 
 
 def without_spoilt_motion(recording: Recording) -> Recording:
-    """The recording with transmission errors of its speed and positions unknown, and a warning that says where."""
+    """The recording with transmission errors of its speed and positions unknown, and a warning that says where.
+
+    A speed is in error only if a position that was measured beside it does not go along. What happens in more than a
+    few samples is what the machine does.
+    """
     if recording.of_points:
         return recording
     signals, warnings = dict(recording.signals), [*recording.warnings]
     for name in MOTION:
         if not recording.has(name):
             continue
-        wild = by_pieces(spoilt, signals[name], margin=1)
-        places = places_where(lambda part: part, wild)
-        if len(places):
-            signals[name] = by_pieces(lambda values, gone: np.where(gone, np.nan, values), signals[name], wild)
-            told = ", ".join(f"{recording.time[place]:.3f}" for place in places[:TOLD])
-            more = " …" if len(places) > TOLD else ""
-            warnings.append(
-                f"{recording.name}: {number_of(len(places), 'single sample')} of {name} far off the samples before and "
-                f"after, as transmission errors are: left out, at {told}{more} s"
-            )
+        places = places_where(lambda part: part, by_pieces(spoilt, signals[name], margin=1))
+        shafts = {recording.metadata.get(f"{signal}{AT}") for signal in ("speed", "motor_position")}
+        if name == "speed" and recording.has("motor_position") and len(shafts) == 1:
+            places = places[~_position_goes_along(recording, places)]
+        if not 0 < len(places) < NEGLIGIBLE * len(recording):
+            continue
+        signals[name] = _unknown_at(signals[name], places)
+        told = ", ".join(f"{recording.time[place]:.3f}" for place in places[:TOLD])
+        more = " …" if len(places) > TOLD else ""
+        warnings.append(
+            f"{recording.name}: {number_of(len(places), 'single sample')} of {name} far off the samples before and "
+            f"after, as transmission errors are: left out, at {told}{more} s"
+        )
     if len(warnings) == len(recording.warnings):
         return recording
     return replace(recording, signals=signals, warnings=tuple(warnings))
+
+
+def _position_goes_along(recording: Recording, places: np.ndarray) -> np.ndarray:
+    """Whether the position moves (m,) as a speed says that stands alone at some ``places`` (m,) of a recording."""
+    speed, position = recording.signals["speed"], recording.signals["motor_position"]
+    before, here, after = (values_at(speed, places + k) for k in (-1, 0, 1))
+    came, went = (values_at(position, places + k) for k in (-1, 1))
+    lasts = 0.5 * (values_at(recording.time, places + 1) - values_at(recording.time, places - 1))
+    alone = lasts * (here - 0.5 * (before + after))
+    moved: np.ndarray = (went - came) - lasts * (before + after)
+    return moved * np.sign(alone) > PART * np.abs(alone)
+
+
+def _unknown_at(values: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Values (n,) with NaN at some places (m,)."""
+    made = Column(np.float64)
+    for rows in pieces(len(values)):
+        part = np.array(values[rows], np.float64)
+        part[places[(places >= rows.start) & (places < rows.stop)] - rows.start] = np.nan
+        made.add(part)
+    return made.finish()
 
 
 def counter_jumps(difference: np.ndarray, travel: np.ndarray, counted: float) -> np.ndarray:

@@ -81,7 +81,7 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
         size = effect.parameters[0]
         if f.hypothesis.base.is_open and (
             _shape_on_bound(problem, f, name)
-            or _share_of_no_machine(effect, instance.parameters)
+            or _never_possible(effect, instance.parameters)
             or shows_where_slowest(problem, f, name)
         ):
             yield name
@@ -135,8 +135,8 @@ def _shape_on_bound(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     )
 
 
-def _share_of_no_machine(effect: Effect, parameters: Mapping[str, float]) -> bool:
-    """Whether a share of an effect is one that no machine has: friction of the teeth beyond half of what they carry.
+def _never_possible(effect: Effect, parameters: Mapping[str, float]) -> bool:
+    """Whether a share of an effect is one that no machine has: friction of the teeth of 0.6 of what they carry.
 
     The effect then fits a part of the constants, or an unknown cause.
     """
