@@ -86,7 +86,7 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
                 "signals": list(recording.signals),
                 "statistics": signals,
                 "gaps": [gap._asdict() for gap in recording.gaps],
-                "metadata": dict(recording.metadata),
+                "metadata": {key: value for key, value in recording.metadata.items() if not key.endswith(LACKED)},
                 "warnings": list(recording.warnings),
             }
         )
