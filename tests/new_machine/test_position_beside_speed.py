@@ -7,6 +7,7 @@ from ema_bench_replay.recording import Recording
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.position_beside_speed import going_with_speed, not_summed, unlike_speed
+from tests.trace_text import write_columns
 
 TIME = np.arange(2000) * 5e-3
 SPEEDS = {
@@ -136,3 +137,12 @@ def test_init_says_which_other_position_was_left_out(tmp_path, capsys):
     told = " ".join(capsys.readouterr().out.split())
     assert "yaw [deg]: not used, since leg angle [rad] goes with the speed more" in told
     assert "motor_position: {columns: ['leg angle \\[rad\\]']" in (tmp_path / "m_map.yaml").read_text()
+
+
+def test_what_is_said_to_go_with_the_speed_more_is_the_motors_position(tmp_path, capsys):
+    speed = SPEEDS["both ways"]
+    columns = {"time [s]": TIME, "output angle [rad]": way(speed) / 3.0, "crank angle [rad]": way(speed)}
+    columns |= {"tilt angle [rad]": other_axis(1.0), "speed [rad/s]": speed, "current [A]": np.gradient(speed, TIME)}
+    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "tilt angle [rad]: not used, since crank angle [rad] goes with the speed more" in told

@@ -211,7 +211,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
             f"{name}: {unit} is a unit of a {other} machine, and by the other columns this one is {guesses.motion}, so "
             "it is not used; if the unit is wrong, correct the header and run init again"
         )
-    taken = next((guess.column for guess in guesses.signals if guess.signal.endswith("_position")), "")
+    taken = next((guess.column for guess in guesses.signals if guess.signal == "motor_position"), "")
     for name in guesses.other_axes:
         say(
             f"{name}: not used, since {taken} goes with the speed more (if it is the motor's, say so in its name, as "
