@@ -94,3 +94,19 @@ def test_a_model_that_cannot_be_read_is_refused_with_the_users_file(tmp_path, mo
         drafts.checked_model((), Given("q", None, None), Shaft(), str(trace))
     assert str(refusal.value).startswith(f"{trace}: the model drafted from it: ")
     assert "model.yaml" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    "name", ["torque feedforward [Nm]", "torque ff [Nm]", "torqueFeedForward", "M Vorsteuerung [Nm]"]
+)
+def test_a_feedforward_is_neither_a_measurement_nor_a_command(name):
+    numbers = {"time [s]": TIME, "position [rad]": ANGLE, name: 0.3 * CURRENT}
+    assert [guess.signal for guess in guess_columns(list(numbers), numbers=numbers).signals] == ["motor_position"]
+    numbers["torque command [Nm]"] = CURRENT
+    signals = {guess.signal: guess.column for guess in guess_columns(list(numbers), numbers=numbers).signals}
+    assert signals["motor_torque"] == "torque command [Nm]"
+
+
+def test_a_feedforward_command_is_none_either():
+    numbers = {"time [s]": TIME, "position [rad]": ANGLE, "torque feedforward setpoint [Nm]": 0.3 * CURRENT}
+    assert [guess.signal for guess in guess_columns(list(numbers), numbers=numbers).signals] == ["motor_position"]

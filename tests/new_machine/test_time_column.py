@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.commands.init import run as init
+from ema_twin_sim.new_machine.clock import is_uneven
 from ema_twin_sim.new_machine.columns import guess_columns
 from tests.trace_text import write_columns
 
@@ -21,7 +22,9 @@ def test_what_has_a_unit_of_time_but_goes_in_uneven_steps_is_no_clock(tmp_path, 
     assert "operating_points: true" in (tmp_path / "m_map.yaml").read_text()
 
 
-@pytest.mark.parametrize("name", ["時間 s", "时间s", "time [s]", "время [s]", "[s]"])
+@pytest.mark.parametrize(
+    "name", ["時間 s", "时间s", "time [s]", "время [s]", "[s]", "tid [s]", "tijd", "czas [s]", "aika"]
+)
 def test_a_name_of_the_time_is_the_clock_however_it_goes(name):
     columns = {name: SLIPS, "電流A": POINTS}
     assert guess_columns(list(columns), numbers=columns).time.column == name
@@ -31,3 +34,38 @@ def test_a_name_of_the_time_is_the_clock_however_it_goes(name):
 def test_a_unit_of_time_and_even_steps_are_a_clock(name):
     columns = {name: 0.5 * POINTS, "電流A": POINTS}
     assert guess_columns(list(columns), numbers=columns).time.column == name
+
+
+@pytest.mark.parametrize("name", ["hora [s]", "axis [ms]", "採樣ms"])
+def test_an_unknown_name_with_a_unit_of_time_is_assumed_to_be_the_clock(tmp_path, capsys, name):
+    """Uneven steps alone, as of a logger that is late at times, made operating points of a motion."""
+    factor = 1e3 if "ms" in name else 1.0
+    time = np.cumsum(np.random.default_rng(1).choice([0.004, 0.03, 0.012], 2000))
+    columns = {name: factor * time, "position [rad]": np.sin(time), "speed [rad/s]": np.cos(time)}
+    columns["current [A]"] = np.cos(2.0 * time)
+    guesses = guess_columns(list(columns), numbers=columns)
+    assert guesses.time.column == name and not guesses.of_points
+    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
+    told = " ".join(capsys.readouterr().out.split())
+    assert f"{name}: assumed to be the time, by its unit alone: it goes in uneven steps" in told
+    line = next(line for line in (tmp_path / "m_map.yaml").read_text().splitlines() if line.startswith("time:"))
+    assert "# CHECK: assumed to be the time" in line
+
+
+def test_another_column_that_is_a_clock_comes_before_an_uneven_one():
+    for clock in ("time [s]", "run [s]"):
+        columns = {"hora [s]": SLIPS, clock: 0.5 * POINTS, "current [A]": POINTS}
+        guesses = guess_columns(list(columns), numbers=columns)
+        assert guesses.time.column == clock and guesses.time.doubt == ""
+
+
+@pytest.mark.parametrize("name", ["slip [s]", "Schlupf [s]", "delay [ms]", "speed error [s]", "position [s]"])
+def test_what_is_named_something_else_is_no_clock(name):
+    columns = {name: SLIPS, "current [A]": POINTS}
+    assert guess_columns(list(columns), numbers=columns).time is None
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("rows", [0, 1, 2])
+def test_fewer_than_two_steps_are_not_uneven(rows):
+    assert not is_uneven(np.arange(float(rows)))

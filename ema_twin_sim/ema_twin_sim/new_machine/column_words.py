@@ -48,6 +48,8 @@ NO_SIGNAL = (
     r"error|fehler|deviat|abweich|limit|grenz|ripple|accel|^acc[xyz]?$|beschleun|vibration|status|^(mode|flags?|ddot|max|min|dc|udc|idc)$"
     r"|zwischenkreis|^bus$|supply|^(id|isd)$|offset"
 )
+FEEDFORWARD = r"^ff$|^feedforward$|^vorsteuer"
+"""A share of a command, which the drive adds to its controller's: neither a measurement nor what the drive follows."""
 SUPPLY = r"supply|^(dc|bus|battery|batt)$|zwischenkreis|versorg"
 """Names of a drive's supply, whose current has not the sign of the motor's."""
 TRANSDUCER = r"^sensor|transducer|^cell$|loadcell|messwelle|dehn|strain"
@@ -58,8 +60,15 @@ SLIDES = r"^pos|^x$|^s$|weg$|travel|stroke|hub$"
 """Words for positions that may be lengths."""
 TIME_WORDS = (
     r"^(t|time|zeit|timestamp|zeitstempel|elapsed|mess|messzeit|laufzeit|uhrzeit|stamp|rel|abs|relative|since|start|unix"
-    r"|temps|tempo|tiempo)$"
+    r"|temps|tempo|tiempo|tid|tijd|czas|aika)$"
 )
+NO_CLOCK = (
+    r"slip|schlupf|gliss|scorrim|desliz|poslizg|delay|verzoeger|lag$|latenc|jitter|period|durat|dauer|cycle|zyklus"
+    r"|dead|totzeit"
+)
+"""Names of what is given in a unit of time but is no clock: an induction motor's slip, a delay, a duration."""
+NO_CLOCK_IN_OTHER_LETTERS = r"轉差|转差|滑差|すべり|滑り|скольжени|周期|延迟|延遲"
+"""The same in Chinese, Japanese and Russian."""
 TIME_IN_OTHER_LETTERS = r"時間|时间|時刻|时刻|시간|время"
 """The same in Chinese, Japanese, Korean and Russian."""
 POWER_UNIT = r"[umk\u00b5]?W|k?VA[rR]?|k?var"

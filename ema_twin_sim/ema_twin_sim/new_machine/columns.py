@@ -21,7 +21,7 @@ from .column_quantity import has_word, word_quantity
 from .column_words import MOTOR_ITSELF, OUTPUT, SLIDES
 from .joints import ONE_JOINT, Joint, Numbered, one_joint
 from .signal_columns import choose_signals, drive_command, signal_column, supply_current
-from .time_column import time_column
+from .time_column import is_assumed, time_column
 
 _ORDER = (
     "temperature",
@@ -150,6 +150,9 @@ def guess_columns(
     used = {column.name for column in taken.values()}
     left = tuple(name for name in header if name not in used and (time is None or name != time.name))
     guesses = _timed(time, signals, left, motion)
+    if guesses.time is not None and time is not None and is_assumed(time, numbers):
+        doubt = "assumed to be the time, by its unit alone: it goes in uneven steps"
+        guesses = replace(guesses, time=replace(guesses.time, doubt=doubt))
     return replace(guesses, joint=of_joint, other_motion=other_motion, other_axes=other_axes)
 
 

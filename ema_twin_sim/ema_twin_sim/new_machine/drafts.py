@@ -91,6 +91,8 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         guesses = guesses.without(tuple(left_out))
         recordings = _read(draft_map(guesses, of, shaft), traces)
     assumed, shown = [_followed(guess) for guess in guesses.signals if guess.command], []
+    if (clock := guesses.time) is not None and clock.doubt and header_words(clock.column).unit is not None:
+        assumed.append(f"{clock.column}: {clock.doubt} (if each row is an operating point, give --operating-points)")
     drives = ", ".join(g.column for g in guesses.signals if g.signal in _DRIVE and not g.magnitude and guesses.drives)
     turned_drive = any(guess.turned_round for guess in guesses.signals if guess.signal in _DRIVE)
     if falls_with_load(recordings):

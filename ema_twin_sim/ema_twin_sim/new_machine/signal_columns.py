@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from .column_words import (
     ACCELERATION_UNIT,
     ACTUAL,
     DIRECT_OR_PHASE,
+    FEEDFORWARD,
     FILTERED,
     MOTOR,
     NO_SIGNAL,
@@ -47,7 +49,7 @@ class Column:
 
 def signal_column(read: HeaderWords) -> Column | None:
     """What a column may be; None if it is no signal."""
-    if has_word(read.words, NO_SIGNAL) or "ddot" in read.words:
+    if has_word(read.words, NO_SIGNAL) or "ddot" in read.words or _is_feedforward(read.words):
         return None
     by_words = word_quantity(read.words)
     quantity = read.quantity or by_words
@@ -66,6 +68,11 @@ def signal_column(read: HeaderWords) -> Column | None:
     of_motor = has_word(words[1:], MOTOR) or has_word(words[:1], "motor|rotor")
     shaft = "output" if has_word(words, OUTPUT) else "motor" if of_motor else ""
     return Column(read, quantity, desired or has_word(words, SETPOINT), has_word(words, ACTUAL), shaft)
+
+
+def _is_feedforward(words: Sequence[str]) -> bool:
+    """Whether a column is a feedforward, in one word or in two: part of a command, so no signal."""
+    return has_word(words, FEEDFORWARD) or ("feed", "forward") in pairwise(words)
 
 
 def choose_signals(

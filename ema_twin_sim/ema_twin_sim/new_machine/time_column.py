@@ -11,23 +11,39 @@ from ema_bench_replay.traces.header_words import HeaderWords, in_other_letters
 
 from .clock import is_uneven
 from .column_quantity import has_word, word_quantity
-from .column_words import NO_SIGNAL, TIME_IN_OTHER_LETTERS, TIME_WORDS
+from .column_words import NO_CLOCK, NO_CLOCK_IN_OTHER_LETTERS, NO_SIGNAL, TIME_IN_OTHER_LETTERS, TIME_WORDS
 
 
 def time_column(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> HeaderWords | None:
     """The time column: by its name, or by a unit of time; of several, the first that rises.
 
     One with both is the clock even if it does not rise: reading it tells what is wrong with it. One with the unit alone
-    must go in even steps, as a clock does: the slip of a motor may be given in s as well.
+    that goes in uneven steps comes after those that go in even ones, as clocks do, and must not be named something
+    else: the slip of a motor may be given in s as well.
     """
     called = [read for read in names if _is_time(read)]
     others = [read for read in names if read.quantity == "time" and read not in called]
     if called and not numbers:
         return called[0]
     rising = [read for read in (*called, *others) if read.name in numbers and (np.diff(numbers[read.name]) > 0.0).all()]
-    rising = [read for read in rising if read in called or not is_uneven(numbers[read.name])]
+    uneven = [read for read in rising if read not in called and is_uneven(numbers[read.name])]
     clocks = [read for read in called if read.quantity == "time"]
-    return next(iter((*(read for read in rising if read in called), *clocks, *rising, *called)), None)
+    by_name = [read for read in rising if read in called]
+    by_steps = [read for read in rising if read not in uneven]
+    assumed = [read for read in uneven if not _is_something_else(read)]
+    return next(iter((*by_name, *clocks, *by_steps, *assumed, *called)), None)
+
+
+def is_assumed(time: HeaderWords, numbers: Mapping[str, np.ndarray]) -> bool:
+    """Whether a time column has neither the name of a time nor even steps, so that only its unit tells it."""
+    return not _is_time(time) and time.name in numbers and is_uneven(numbers[time.name])
+
+
+def _is_something_else(read: HeaderWords) -> bool:
+    """Whether the words of a column whose unit is one of time name what is no clock."""
+    if has_word(read.words, f"{NO_CLOCK}|{NO_SIGNAL}") or re.search(NO_CLOCK_IN_OTHER_LETTERS, read.name.lower()):
+        return True
+    return word_quantity(read.words) not in (None, "time")
 
 
 def _is_time(read: HeaderWords) -> bool:

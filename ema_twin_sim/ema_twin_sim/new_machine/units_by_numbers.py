@@ -42,7 +42,7 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
     guesses = with_products_units(guesses, numbers)
     known = {guess.signal: guess for guess in guesses.signals}
     position, speed = known.get("motor_position"), known.get("speed")
-    time_unit, time_doubt = clock.unit, ""
+    time_unit, time_doubt = clock.unit, clock.doubt
     if time_unit is None:
         time_unit = _time_unit(time, position, speed, numbers)
         time_doubt = "no unit in the header; otherwise the sample period would be too long" if time_unit != "s" else ""
