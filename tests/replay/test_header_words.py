@@ -45,3 +45,50 @@ def test_a_unit_of_power_behind_them_is_of_no_signal(name, unit):
 def test_latin_and_greek_letters_end_no_word(name):
     assert not in_other_letters(name)
     assert header_words(name).unit in (None, "um")
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("转速n", ("speed", "n")),
+        ("轉速N", ("speed", "n")),
+        ("速度V", ("speed", "v")),
+        ("力矩M", ("torque", "m")),
+        ("转矩M", ("torque", "m")),
+        ("моментM", ("torque", "m")),
+        ("电压U", ("voltage", "u")),
+        ("напряжениеU", ("voltage", "u")),
+        ("скоростьn", ("speed", "n")),
+        ("关节角度q", ("position", "q")),
+        ("时间t", ("time", "t")),
+        ("电机A", ()),
+        ("轴a", ()),
+        ("电机M", ()),
+        ("质量m", ()),
+    ],
+)
+def test_a_letter_that_is_no_unit_of_what_the_name_says_is_a_symbol(name, words):
+    """Speed n was read as a torque in N, torque M as a position in m, motor A as a current."""
+    read = header_words(name)
+    assert read.unit is None and read.words == words and read.foreign == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("电机电流A", "A"),
+        ("力矩电流A", "A"),
+        ("时间s", "s"),
+        ("位移m", "m"),
+        ("推力N", "N"),
+        ("전류A", "A"),
+        ("温度C", "degC"),
+    ],
+)
+def test_a_letter_that_is_a_unit_of_what_the_name_says_is_one(name, unit):
+    assert header_words(name).unit == unit
+
+
+@pytest.mark.parametrize("name", ["速度 n", "转矩 M", "момент M"])
+def test_a_letter_behind_a_blank_is_no_unit_of_what_the_name_does_not_say(name):
+    assert header_words(name).unit is None and header_words(name).words == (name[-1].lower(),)

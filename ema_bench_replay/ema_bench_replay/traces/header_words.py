@@ -2,7 +2,8 @@
 
 People write units in brackets, after a slash, a comma, an underscore or the word "in", in English or German; symbols
 come in Greek letters, with subscripts, or with a dot for a rate. Behind a name in letters that are neither Latin nor
-Greek, as in Chinese, a unit needs no mark between.
+Greek, as in Chinese, a unit needs no mark between. A single letter there is a unit only if the name says so, since it
+may as well be a symbol: the n of a speed, the M of a torque, or the A of a motor A.
 """
 
 from __future__ import annotations
@@ -86,6 +87,17 @@ _COUNTS_AS_UNITS = frozenset({"pulse", "increment", "step", "steps", "edges", "s
 _OF_NO_SIGNAL = frozenset({"w", "kw", "va", "kva", "var", "kvar"})
 """Units of power behind a name in other letters."""
 
+_IN_OTHER_LETTERS = {
+    "time": r"时间|時間|時刻|时刻|시간|время",
+    "temperature": r"温度|溫度|온도|температур",
+    "torque": r"力矩|转矩|轉矩|扭矩|トルク|토크|момент|(?<![压壓圧电電出入能])力|힘|сила|усили",
+    "current": r"电流|電流|전류|(?<![^\W_])(ток|струм)",
+    "voltage": r"电压|電壓|電圧|전압|напряжени",
+    "speed": r"转速|轉速|(?<!加)速度|回転数|속도|скорост",
+    "position": r"角度|位置|位移|変位|變位|行程|距离|距離|각도|위치|угол|положени|позици|перемещени",
+}
+"""By quantity, what names it in Chinese, Japanese, Korean and Russian."""
+
 _UNIT_OF = {spelling: unit for unit, (_, spellings) in _SPELLINGS.items() for spelling in spellings}
 _SUPERSCRIPTS = str.maketrans({"⁻": "-", "¹": "1", "²": "2", "μ": "µ", "º": "°", "⋅": "·", "∙": "·"})
 _UMLAUTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss"})
@@ -145,7 +157,9 @@ def header_words(name: str) -> HeaderWords:
     if len(text) > 1 and (unit := _unit(text)):  # a single letter is a symbol
         return HeaderWords(name, (), unit)
     rest, unit, in_doubt, foreign = _without_unit(text)
-    return HeaderWords(name, tuple(_words(rest)), unit, in_doubt, foreign)
+    told, letter = _symbol(rest) if unit is None else ((), "")
+    words = (*told, letter.lower()) if told else () if letter else tuple(_words(rest))
+    return HeaderWords(name, words, unit, in_doubt, foreign)
 
 
 def _unit(text: str) -> str | None:
@@ -168,13 +182,14 @@ def _without_unit(text: str) -> tuple[str, str | None, bool, str]:
         foreign = foreign or found[1]
     plain = _BRACKETS.sub(" ", text).strip() or text
     name, tail = _without_glued_unit(plain)
-    if unit := _unit_in_its_place(tail):
+    if (unit := _unit_in_its_place(tail)) and (not _is_letter(tail) or _SPELLINGS[unit][0] in _told_quantities(name)):
         return name, unit, False, ""
     foreign = foreign or (tail if tail.lower() in _OF_NO_SIGNAL else "")
     for mark in re.finditer(r"\s+in\s+|\s*[,/]\s*|\s+|(?<=[^\s_])_+", plain):
         before, after = plain[: mark.start()].strip(" /,_"), plain[mark.end() :]
         unit = _unit(after) or _unit_in_underscores(after)
-        if unit and before:
+        told = _told_quantities(before) if _is_letter(after) else ()
+        if unit and before and (not told or _SPELLINGS[unit][0] in told):
             return before, unit, mark[0] == "_" and after.lower() in _SUBSCRIPTS, ""
     return plain, None, False, foreign
 
@@ -197,6 +212,27 @@ def _without_glued_unit(text: str) -> tuple[str, str]:
         if _is_other_letter(text[place - 1]) and re.match(r"[A-Za-zµ°]", text[place])
     ]
     return (text[: begins[-1]], text[begins[-1] :]) if begins else (text, "")
+
+
+def _is_letter(text: str) -> bool:
+    return len(text) == 1 and text.isalpha()
+
+
+def _told_quantities(name: str) -> tuple[str, ...]:
+    """The quantities that the characters of a name in other letters give."""
+    plain = name.lower()
+    return tuple(quantity for quantity, pattern in _IN_OTHER_LETTERS.items() if re.search(pattern, plain))
+
+
+def _symbol(name: str) -> tuple[tuple[str, ...], str]:
+    """The quantities that a name in other letters gives, and a symbol of one letter directly behind it; else empty.
+
+    The letter alone gives none: behind a motor or an axis it only tells which one.
+    """
+    before, letter = _without_glued_unit(name)
+    if not _is_letter(letter) or _words(before):
+        return (), ""
+    return _told_quantities(before), letter
 
 
 def _unit_in_underscores(text: str) -> str | None:
