@@ -1,6 +1,7 @@
 """Find the header of a text trace: programs write information above it, and often a row of units below it.
 
-The header is the line above the first row of numbers. Comments, blank lines and quoted texts above it are skipped.
+The header is the line above the first row of numbers. Comments, blank lines and quoted texts above it are skipped, and
+so is what stands between it and the rows.
 Where short names follow a row of units, the names above the units are the header, if each column has its own there. If
 nothing else names the columns, a comment directly above the rows with the same number of cells does, as written by
 numpy.
@@ -26,7 +27,7 @@ _OTHER_UNITS = {"min", "w", "kw", "hz", "raw", "bit", "bits"}
 
 @dataclass(frozen=True)
 class HeaderLines:
-    """The header's text, the number (counted from 1) of its last line, and the byte at which it ends."""
+    """The header's text, the number (counted from 1) of the last line above the rows, and the byte at which it ends."""
 
     text: str
     line: int
@@ -70,7 +71,8 @@ def header_lines(block: bytes) -> HeaderLines | None:
         cells, width = _cells(text, mark), len(lines[rows][0].split(mark))
         if len(cells) == width + 1 > 2:
             text = mark.join(cells[:width])
-    return HeaderLines(text, header + 1, lines[header][1])
+    last = header if rows is None else rows - 1  # blank lines, comments and others between header and rows are skipped
+    return HeaderLines(text, last + 1, lines[last][1])
 
 
 def _header_in_comment(lines: list[tuple[str, int]], rows: int) -> HeaderLines:
