@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 import warnings
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
@@ -24,6 +24,7 @@ from ema_bench_replay.traces.time_of_day import is_time_of_day, seconds
 #: A longer trace is refused: it would not fit into the memory of an ordinary machine.
 LARGEST = 2 << 30
 _ROWS_FOR_DECIMALS = 50
+_MOST_AT_END = 3  # rows without numbers that a logger writes when it is switched off; more are no end
 _BYTES_FOR_NEWLINE = 1 << 16
 
 
@@ -34,7 +35,7 @@ class TraceTable:
     path: Path
     sha256: str
     header: list[str]  # names of the columns
-    header_line: int  # its line number, counted from 1; the rows follow directly
+    header_line: int  # number of its last line, counted from 1; the rows follow directly
     columns: list[np.ndarray]  # float64 (n,) each; unneeded columns may hold NaN
     decimals: list[int]  # number of decimals of each column
     style: Style
@@ -83,11 +84,12 @@ def read_table(
     """Read a delimited text file: one header line and numbers below it.
 
     Above the header there may be comments (#, %), blank lines, quoted texts and lines with other cells than the rows;
-    below it a row of units, which are appended to the names in brackets. Blank lines and comments may end the file.
-    Columns may be separated by blanks. Times of day and dates are converted to s. An incomplete last row is dropped,
-    with a warning, and so is one that lacks a number where all others have one. `delimiter` and `number_format`
-    ("german", "english") are detected if they are None. `needed` returns for a header the columns that must hold
-    numbers; others may hold words and empty cells. `progress` is called with the share read so far. Raises InputError.
+    below it the same, or a row of units, which are appended to the names in brackets. Blank lines and comments may end
+    the file. Columns may be separated by blanks. Times of day and dates are converted to s. An incomplete last row is
+    dropped, with a warning, and so are up to three last rows that are empty, or lack a number in a needed column (in
+    any if none is needed) in which all rows before hold one. `delimiter` and `number_format` ("german", "english") are
+    detected if they are None. `needed` returns for a header the columns that must hold numbers; others may hold words
+    and empty cells. `progress` is called with the share read so far. Raises InputError.
     """
     try:
         if (size := path.stat().st_size) > LARGEST:
@@ -215,11 +217,17 @@ class _RowReader:
             f"{self.path.name}: line {line}: the last row is cut, so only the rows before it can be used"
         )
 
-    def _report_unreadable(self, line: int, column: str, cell: str) -> None:
+    def _report_unreadable(self, line: int, count: int, column: str, cell: str) -> None:
+        """Warn of the last ``count`` rows, of which the first, in this line, holds such a cell."""
         holds = f"holds {cell!r}, which is no number" if cell else "is empty"
-        self.warnings.append(
-            f"{self.path.name}: line {line}: the last row is left out, since its column {column!r} {holds}"
-        )
+        if count == 1:
+            said = f"line {line}: the last row is left out, since its column {column!r} {holds}"
+        else:
+            said = (
+                f"lines {line} to {line + count - 1}: the last {count} rows are left out, since they lack numbers that "
+                f"all rows before hold; in the first of them, column {column!r} {holds}"
+            )
+        self.warnings.append(f"{self.path.name}: {said}")
 
     def _only_needed(self, text: bytes) -> np.ndarray | None:
         """The rows, with NaN in unneeded columns, if the others contain nothing unusual; otherwise None."""
@@ -272,24 +280,21 @@ class _RowReader:
     def _careful(self, text: bytes, is_last: bool) -> np.ndarray:
         """The rows, cell by cell; InputError names the first wrong one.
 
-        The file's last row is left out if it holds no number in a column in which all others do, as a logger writes
-        that is switched off meanwhile.
+        The file's last few rows are left out if they lack numbers that all rows before hold, as a logger writes that is
+        switched off meanwhile.
         """
         lines = text.decode("latin-1").split("\n")[:-1]
+        if is_last and lines and len(self._cells(lines[-1])) < len(self.header):
+            self._report_torn(self.line + len(lines) - 1)
+            lines.pop()
         rows = np.empty((len(lines), len(self.header)))
-        unreadable: dict[int, str] = {}  # cells of the last row, by column
+        at_end: dict[int, dict[int, str]] = {}  # cells of the last rows that are no numbers, by row and column
         for number, line in enumerate(lines):
-            place = f"{self.path}: line {self.line + number}"
-            ends_file = is_last and number == len(lines) - 1
-            cells = line.split(self.delimiter)
-            if not cells[-1] and (self.trailing or len(cells) == len(self.header) + 1):
-                cells.pop()
+            cells = self._cells(line)
             if len(cells) != len(self.header):
-                if ends_file and len(cells) < len(self.header):
-                    self._report_torn(self.line + number)
-                    return rows[:-1]
                 counts = f"has {len(cells)} cell{'s' * (len(cells) != 1)} where the header has {len(self.header)}"
-                raise InputError(f"{place}: {counts}; remove or complete the row")
+                raise InputError(f"{self.path}: line {self.line + number}: {counts}; remove or complete the row")
+            may_end = is_last and len(lines) - number <= _MOST_AT_END and self.line + number > self.first_line
             for column, cell in enumerate(cells):
                 try:
                     rows[number, column] = self.format.value(cell)
@@ -297,22 +302,54 @@ class _RowReader:
                     if is_time_of_day(cell):
                         rows[number, column] = seconds(cell)
                         continue
-                    spoilt = ends_file and self.line + number > self.first_line and not _is_number(cell)
-                    if spoilt:
-                        unreadable[column] = cell
-                    if spoilt or column not in self.needed:
-                        rows[number, column] = np.nan
-                        continue
-                    wrong = f"{cell!r} is no number in {self.format.example} format" if cell else "the cell is empty"
-                    raise InputError(
-                        f"{place}: column {self.header[column]!r}: {wrong}; correct it, remove the row, "
-                        "or leave the column out of the import map"
-                    ) from None
-        for column, cell in unreadable.items():
-            if self.known[column] and np.isfinite(rows[:-1, column]).all():
-                self._report_unreadable(self.line + len(lines) - 1, self.header[column], cell)
-                return rows[:-1]
+                    rows[number, column] = np.nan
+                    if may_end and not _is_number(cell):
+                        at_end.setdefault(number, {})[column] = cell
+                    elif column in self.needed:
+                        raise self._no_number(number, column, cell) from None
+        return self._without_end(rows, at_end)
+
+    def _cells(self, line: str) -> list[str]:
+        """The cells of a row, without the empty one that a delimiter at its end makes."""
+        cells = line.split(self.delimiter)
+        if not cells[-1] and (self.trailing or len(cells) == len(self.header) + 1):
+            cells.pop()
+        return cells
+
+    def _no_number(self, row: int, column: int, cell: str) -> InputError:
+        wrong = f"{cell!r} is no number in {self.format.example} format" if cell else "the cell is empty"
+        return InputError(
+            f"{self.path}: line {self.line + row}: column {self.header[column]!r}: {wrong}; correct it, remove the "
+            "row, or leave the column out of the import map"
+        )
+
+    def _without_end(self, rows: np.ndarray, at_end: Mapping[int, Mapping[int, str]]) -> np.ndarray:
+        """The rows without the last ones that lack numbers; ``at_end`` are their cells that are none.
+
+        Raises InputError if a row that stays lacks a number in a needed column.
+        """
+        judged = self.needed or range(len(self.header))
+        first = len(rows)
+        while first - 1 in at_end:
+            first -= 1
+        for begin in range(first, len(rows)):  # the most rows that all are the end
+            whole = self.known & np.isfinite(rows[:begin]).all(axis=0)
+            ended = [self._lacking(at_end[row], whole, judged) for row in range(begin, len(rows))]
+            if (column := ended[0]) is not None and None not in ended:
+                self._report_unreadable(self.line + begin, len(ended), self.header[column], at_end[begin][column])
+                rows = rows[:begin]
+                break
+        for row, cells in at_end.items():
+            for column, cell in cells.items():
+                if row < len(rows) and column in self.needed:
+                    raise self._no_number(row, column, cell)
         return rows
+
+    def _lacking(self, cells: Mapping[int, str], whole: np.ndarray, judged: Collection[int]) -> int | None:
+        """The column by which a row belongs to the end: one that was ``whole`` before, or any of an empty row."""
+        if len(cells) == len(self.header) and not any(cells.values()):
+            return 0
+        return next((column for column in cells if column in judged and whole[column]), None)
 
 
 def _is_number(cell: str) -> bool:
@@ -341,7 +378,7 @@ def _sha256(file: BinaryIO) -> str:
 
 
 def _header(path: Path, block: bytes) -> tuple[str, int, bytes]:
-    """Header, the number of its last line (counted from 1) and the rest of the block."""
+    """Header, the number of the last line above the rows (counted from 1) and the rest of the block."""
     try:
         found = header_lines(block)
     except NoHeader as missing:

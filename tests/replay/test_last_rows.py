@@ -1,0 +1,66 @@
+"""The last rows of a text, which a logger writes while it is switched off: a few are left out and said."""
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.traces.trace_table import all_columns, read_table
+
+ROWS = "".join(f"{row * 0.01:.2f};{row * 0.1:.1f};{row % 7}\n" for row in range(30))
+
+
+def read(tmp_path, end, header="t;pos;cur", needed=all_columns, rows=ROWS):
+    (tmp_path / "run.csv").write_text(f"{header}\n{rows}{end}")
+    return read_table(tmp_path / "run.csv", needed=needed)
+
+
+def test_one_is_named_with_its_column(tmp_path):
+    table = read(tmp_path, "0.30;3.0;NaN\n")
+    said = "run.csv: line 32: the last row is left out, since its column 'cur' holds 'NaN', which is no number"
+    assert table.warnings == (said,) and len(table.columns[0]) == 30
+
+
+@pytest.mark.parametrize("end", [";;\n", "0.30;3.0;NaN\n", "0.30;3.0;\n", "-1.#IO;x;y\n"])
+@pytest.mark.parametrize("count", [2, 3])
+def test_a_few_are_counted(tmp_path, end, count):
+    table = read(tmp_path, end * count)
+    (said,) = table.warnings
+    assert said.startswith(f"run.csv: lines 32 to {31 + count}: the last {count} rows are left out")
+    assert len(table.columns[0]) == 30 and np.isfinite(table.columns).all()
+
+
+@pytest.mark.parametrize("end", ["0.30;3.0;NaN\n;;\n", ";;\n0.30;;3\n", ";;\n;;\n0.3"])
+def test_they_need_not_be_alike(tmp_path, end):
+    assert len(read(tmp_path, end).columns[0]) == 30
+
+
+@pytest.mark.parametrize("end", [";;\n" * 4, "0.30;3.0;NaN\n" * 4, "0.30;3.0;NaN\n0.31;3.1;1\n"])
+def test_many_or_one_before_the_end_are_refused(tmp_path, end):
+    with pytest.raises(InputError, match="line 32: column"):
+        read(tmp_path, end)
+
+
+def test_rows_in_another_format_are_refused(tmp_path):
+    with pytest.raises(InputError, match="line 32: column 'pos'"):
+        read(tmp_path, "0.30;3.000.000,1;1\n")
+
+
+def test_a_file_of_such_rows_alone_is_refused(tmp_path):
+    with pytest.raises(InputError):
+        read(tmp_path, ";;\n;;\n", rows="")
+
+
+@pytest.mark.parametrize("before", ["0", "running"])
+def test_a_column_that_is_not_needed_ends_nothing(tmp_path, before):
+    rows = "".join(f"{line};{before}\n" for line in ROWS.splitlines())
+    table = read(tmp_path, "0.30;3.0;1;stopped\n", "t;pos;cur;state", lambda header: (0, 1, 2), rows)
+    assert len(table.columns[0]) == 31 and table.warnings == ()
+    table = read(tmp_path, "0.30;3.0;x;stopped\n", "t;pos;cur;state", lambda header: (0, 1, 2), rows)
+    assert len(table.columns[0]) == 30 and "column 'cur' holds 'x'" in table.warnings[0]
+
+
+def test_if_no_column_is_needed_each_that_holds_numbers_counts(tmp_path):
+    table = read(tmp_path, "0.30;3.0;NaN\n0.31;3.0;NaN\n", needed=lambda header: ())
+    assert len(table.columns[0]) == 30 and "the last 2 rows" in table.warnings[0]
+    table = read(tmp_path, "0.30;3.0;NaN\n" * 4, needed=lambda header: ())
+    assert len(table.columns[0]) == 34 and np.isnan(table.columns[2]).sum() == 4
