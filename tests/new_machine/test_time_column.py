@@ -47,9 +47,9 @@ def test_an_unknown_name_with_a_unit_of_time_is_assumed_to_be_the_clock(tmp_path
     assert guesses.time.column == name and not guesses.of_points
     init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
     told = " ".join(capsys.readouterr().out.split())
-    assert f"{name}: assumed to be the time, by its unit alone: it goes in uneven steps" in told
+    assert f"{name}: taken for the time by its unit alone, though its steps are uneven" in told
     line = next(line for line in (tmp_path / "m_map.yaml").read_text().splitlines() if line.startswith("time:"))
-    assert "# CHECK: assumed to be the time" in line
+    assert "# CHECK: taken for the time" in line
 
 
 def test_another_column_that_is_a_clock_comes_before_an_uneven_one():

@@ -1,11 +1,12 @@
-"""`init` with a current and a torque: if they are not proportional, the torque is used, unless it is named a load."""
+"""`init` with a current and a torque: one thing in two units, a load behind the machine, or a current of a supply."""
 
 import numpy as np
 import pytest
 
 from ema_bench_replay.recording import POINTS, Recording
 from ema_twin_sim.commands.init import run as init
-from ema_twin_sim.new_machine.torque_beside_current import not_proportional
+from ema_twin_sim.new_machine.torque_beside_current import measured_behind, not_proportional
+from tests.trace_text import write_columns
 
 TIME = np.arange(3000) * 5e-3
 SPEED = 200.0 + 150.0 * np.sin(0.8 * TIME)
@@ -62,6 +63,8 @@ def test_the_torque_is_used_and_said_if_the_current_is_not_the_motors(tmp_path, 
     assert ("  current: " in drawn) == (kind == "motor")
     assert ("Current (A): not used: Torque (N·m) is not proportional to it" in told) == (kind != "motor")
     assert ("torque constant 1.00 N m/A" in told) == (kind == "motor")
+    line = next(line for line in drawn.splitlines() if line.startswith("  motor_torque: "))
+    assert ("# CHECK: used in place of the current, to which it is not proportional" in line) == (kind != "motor")
 
 
 @pytest.mark.parametrize("name", ["load torque [N m]", "torque sensor [N m]", "brake torque [N m]", "torque"])
@@ -76,3 +79,84 @@ def test_a_current_named_the_motors_is_used(tmp_path, name):
 
 def test_a_given_torque_constant_leaves_the_current(tmp_path):
     assert "  current: " in drafted(tmp_path, "supply", torque_constant=0.03)
+
+
+BOTH_WAYS = 20.0 * np.sin(3.1 * TIME) + 8.0 * np.sin(7.2 * TIME)
+LOAD = 3.0 * np.sin(0.9 * TIME) + 1.0
+STAMPS = np.rint(TIME * 1e9).astype(np.int64)
+
+
+def driving(load, speed, inertia=0.02):
+    """The motor's torque that a load, inertia and friction need."""
+    return inertia * np.gradient(speed, TIME) + 0.05 * speed + 0.5 * np.sign(speed) + load
+
+
+def behind(current, torque, speed):
+    return measured_behind([Recording("r", STAMPS, {"current": current, "motor_torque": torque, **speed})])
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("speed", [BOTH_WAYS, SPEED])
+@pytest.mark.parametrize("moved", ["speed", "motor_position"])
+def test_a_torque_that_explains_the_current_with_the_motion_is_behind_the_machine(sign, speed, moved):
+    """The sensor may count either way, and have an offset."""
+    current = noisy(driving(LOAD, speed) / 0.5, 0.02)
+    motion = {moved: speed if moved == "speed" else np.cumsum(speed) * 5e-3}
+    assert behind(current, noisy(sign * LOAD + 0.7, 0.02), motion) < 0.1
+
+
+@pytest.mark.parametrize("kind", CURRENTS)
+def test_a_motors_own_torque_is_not_behind_it(kind):
+    assert behind(CURRENTS[kind], noisy(TORQUE, 0.02), {"speed": SPEED}) is None
+
+
+def test_neither_is_one_that_has_nothing_to_do_with_the_current():
+    current = driving(LOAD, BOTH_WAYS) / 0.5
+    assert behind(current, RANDOM.standard_normal(len(TIME)), {"speed": BOTH_WAYS}) is None
+    assert behind(current, noisy(LOAD, 0.02), {}) is None  # without a motion, nothing shows it
+
+
+def test_operating_points_show_it_by_their_speeds():
+    speed = np.repeat([-30.0, -20.0, -10.0, 10.0, 20.0, 30.0], 8)
+    load = np.tile(np.linspace(0.0, 2.0, 8), 6) ** 2
+    current = (0.05 * speed + 0.5 * np.sign(speed) + load) / 0.5
+    signals = {"current": current, "motor_torque": load + 0.2, "speed": speed}
+    points = Recording("r", np.arange(48) * 1_000_000, signals, metadata={POINTS: "yes"})
+    assert not_proportional([points]) is not None and measured_behind([points]) < 1e-6
+
+
+@pytest.mark.parametrize("offset", [0.5, -3.0])
+def test_an_offset_of_the_torque_is_no_other_torque(offset):
+    signals = {"current": noisy(TORQUE / 0.03, 0.02), "motor_torque": noisy(TORQUE, 0.02) + offset}
+    assert not_proportional([Recording("r", STAMPS, signals)]) is None
+
+
+def test_one_that_hardly_changes_tells_nothing():
+    signals = {"current": noisy(TORQUE / 0.03, 0.02), "motor_torque": 1.0 + 1e-3 * RANDOM.standard_normal(len(TIME))}
+    assert not_proportional([Recording("r", STAMPS, signals)]) is None
+
+
+def dynamometer(tmp_path, torque="torque [Nm]", current="current [A]"):
+    columns = {"time [s]": TIME, "position [rad]": np.cumsum(BOTH_WAYS) * 5e-3, "speed [rad/s]": BOTH_WAYS}
+    columns |= {current: noisy(driving(LOAD, BOTH_WAYS) / 0.5, 0.01), torque: noisy(LOAD, 0.01)}
+    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
+    return (tmp_path / "m_map.yaml").read_text().splitlines()
+
+
+@pytest.mark.parametrize("current", ["current [A]", "motor current [A]"])
+def test_on_a_dynamometer_the_current_drives_and_the_torque_is_the_load(tmp_path, capsys, current):
+    """The current was dropped and the load's sensor taken for the drive, and nothing had to be guessed."""
+    drawn = dynamometer(tmp_path, current=current)
+    told = " ".join(capsys.readouterr().out.split())
+    assert any(line.startswith("  current: ") for line in drawn)
+    assert not any(line.startswith("  motor_torque: ") for line in drawn)
+    line = next(line for line in drawn if line.startswith("  load_torque: "))
+    assert "# CHECK: taken for the load, measured behind the machine" in line
+    assert "torque [Nm] → load_torque in N m" in told and "nothing had to be guessed" not in told
+    assert "Assumed: torque [Nm]: taken for the load" in told
+
+
+def test_a_torque_named_the_motors_is_no_load(tmp_path):
+    drawn = dynamometer(tmp_path, torque="motor torque [Nm]")
+    assert any(line.startswith("  motor_torque: ") for line in drawn)
+    assert not any(line.startswith("  load_torque: ") for line in drawn)

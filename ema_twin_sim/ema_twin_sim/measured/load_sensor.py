@@ -13,7 +13,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..criteria import CORRELATION, FEWEST_ROWS, NEGLIGIBLE, PART, SIGNIFICANT, TOO_MUCH
+from ..criteria import CORRELATION, FEWEST_ROWS, NEGLIGIBLE, PART, SIGNIFICANT, SMALL, TOO_MUCH
 from ..reading_noise import polled_noise, reading_noise
 from .row_noise import smallest_step
 from .smoothing import gaussian, smooth
@@ -24,6 +24,7 @@ _SHARE = 0.002  # the same as a share of the recording
 _ENDS = 4.0  # widths at each end that are left out
 _FEWEST_POINTS = 8  # more than numbers fitted to them
 _SPEED = 1  # column of a row
+_MOVING = 3  # of these columns, the first ones, which are zero at rest
 _MOTION = 5  # columns for the motion: acceleration, speed, its sign, a constant, and drift
 
 
@@ -91,6 +92,30 @@ def torque_per_current(recordings: Sequence[Recording]) -> float | None:
     motion, load, drive = rows[:, :_MOTION], rows[:, _MOTION], rows[:, _MOTION + 1]
     load, drive = _beside(motion, load), _beside(motion, drive)
     return float(load @ drive) / float(drive @ drive)
+
+
+def left_of_the_drive(recordings: Sequence[Recording]) -> tuple[float, float] | None:
+    """What the load leaves of the drive's changes (rms, as a share): alone, and with the motion; None if it shows none.
+
+    With the motion, 1.0 if inertia and friction would have opposite signs, which no machine has. The drive is the
+    current, or else the motor's torque. Operating points do not accelerate.
+    """
+    points = [_rows_of_points(r) for r in recordings if r.of_points]
+    rows = np.concatenate(points) if points else _all_rows(recordings)
+    motion, load, drive = rows[:, :_MOVING], rows[:, _MOTION], rows[:, _MOTION + 1]
+    motion = motion[:, [np.ptp(column) > 0.0 for column in motion.T]] if len(rows) else motion
+    if len(rows) < FEWEST_ROWS or not motion.size or np.ptp(drive) == 0.0:
+        return None
+    constant = np.ones((len(rows), 1))
+    alone = _beside(np.column_stack([constant, load]), drive)
+    columns = np.column_stack([constant, load, motion])
+    size = np.maximum(np.abs(columns).max(axis=0), np.finfo(float).tiny)
+    found, *_ = np.linalg.lstsq(columns / size, drive, rcond=None)
+    changes = float(np.std(drive))
+    parts = (found / size * np.std(columns, axis=0))[2:] / changes
+    opposed = min(parts.max(), -parts.min()) > SMALL
+    together = 1.0 if opposed else float(np.std(drive - columns / size @ found)) / changes
+    return float(np.std(alone)) / changes, together
 
 
 def falls_with_load(recordings: Sequence[Recording]) -> bool:

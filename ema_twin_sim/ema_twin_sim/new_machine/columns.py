@@ -90,6 +90,21 @@ class Guesses:
         read = tuple(replace(guess, magnitude=True) if guess.signal in signals else guess for guess in self.signals)
         return replace(self, signals=read)
 
+    def with_doubt(self, signal: str, doubt: str) -> Guesses:
+        """The same with something to check about what this signal is."""
+        told = tuple(replace(each, shaft_doubt=doubt) if each.signal == signal else each for each in self.signals)
+        return replace(self, signals=told)
+
+    def as_load(self, doubt: str) -> Guesses:
+        """The same with the motor's torque taken for the load, and why."""
+        behind = tuple(
+            replace(each, signal="load_torque", of_output=True, shaft_doubt=doubt)
+            if each.signal == "motor_torque"
+            else each
+            for each in self.signals
+        )
+        return replace(self, signals=tuple(sorted(behind, key=lambda each: _ORDER.index(each.signal))))
+
     @property
     def both_encoders(self) -> bool:
         """Whether the positions of motor and output are among them."""
@@ -151,7 +166,7 @@ def guess_columns(
     left = tuple(name for name in header if name not in used and (time is None or name != time.name))
     guesses = _timed(time, signals, left, motion)
     if guesses.time is not None and time is not None and is_assumed(time, numbers):
-        doubt = "assumed to be the time, by its unit alone: it goes in uneven steps"
+        doubt = "taken for the time by its unit alone, though its steps are uneven"
         guesses = replace(guesses, time=replace(guesses.time, doubt=doubt))
     return replace(guesses, joint=of_joint, other_motion=other_motion, other_axes=other_axes)
 

@@ -1,5 +1,6 @@
 """Whether a current and a torque recorded together are one thing in two units, as a motor's are, or two.
 
+On a dynamometer the torque's sensor is behind the machine: the motor's current drives that load, inertia and friction.
 The current of a supply is its power over its voltage, and that of an induction motor magnetises it too: then the torque
 says what drives the machine.
 """
@@ -8,17 +9,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..criteria import FEWEST_ROWS, SMALL, TOO_MUCH
+from ..criteria import FEWEST_ROWS, MOSTLY, NEGLIGIBLE, SMALL, TOO_MUCH
+from ..measured.load_sensor import left_of_the_drive
 from ..reading_noise import reading_noise
 
 
 def not_proportional(recordings: Sequence[Recording]) -> float | None:
-    """The share of the motor's torque (rms) that no factor times the current explains; None if it is small.
+    """The share of the torque's changes (rms) that no factor times the current and no offset explain; None if small.
 
     Small is what both sensors' noise explains. Operating points, whose rows come in any order, tell no noise.
     """
@@ -27,15 +30,36 @@ def not_proportional(recordings: Sequence[Recording]) -> float | None:
     current, torque = np.concatenate(parts, axis=1) if parts else np.zeros((2, 0))
     if len(torque) < FEWEST_ROWS or not current.any() or not torque.any():
         return None
-    factor = float(current @ torque / (current @ current))
-    share = math.sqrt(float(np.mean((torque - factor * current) ** 2) / np.mean(torque**2)))
+    changes = current - current.mean()
+    factor = float(changes @ torque / (changes @ changes)) if changes.any() else 0.0
+    left, size = float(np.std(torque - factor * current)), float(np.std(torque))
+    if left <= NEGLIGIBLE * math.sqrt(float(np.mean(torque**2))):
+        return None
     noises = [
         math.hypot(reading_noise(torque), factor * reading_noise(current))
         for (current, torque), recording in zip(parts, both, strict=True)
         if not recording.of_points
     ]
-    noise = max(noises, default=0.0) / math.sqrt(float(np.mean(torque**2)))
-    return share if share > max(SMALL, TOO_MUCH * noise) else None
+    return left / size if left > max(SMALL * size, TOO_MUCH * max(noises, default=0.0)) else None
+
+
+def measured_behind(recordings: Sequence[Recording]) -> float | None:
+    """The share of the current's changes (rms) that the torque as a load and the motion leave; None if that is no load.
+
+    It is one if they leave little, and the motion explains most of what the torque alone leaves.
+    """
+    left = left_of_the_drive([_as_load(r) for r in recordings if r.has("current", "motor_torque")])
+    if left is None:
+        return None
+    alone, with_motion = left
+    return with_motion if with_motion <= min(SMALL, (1.0 - MOSTLY) * alone) else None
+
+
+def _as_load(recording: Recording) -> Recording:
+    """The recording with the motor's torque as its load."""
+    signals = dict(recording.signals)
+    signals["load_torque"] = signals.pop("motor_torque")
+    return replace(recording, signals=signals)
 
 
 def _known(recording: Recording) -> np.ndarray:
