@@ -18,7 +18,7 @@ METHOD = {
     "measured/bandwidth.py": "NARROWER",
     "measured/drive_regression.py": "PIECE",
     "measured/folds.py": "FEWEST_OF_BOTH BLOCKS",
-    "measured/load_sensor.py": "_WIDTH _SHARE _ENDS _FEWEST_POINTS _SPEED _MOTION",
+    "measured/load_sensor.py": "_WIDTH _SHARE _ENDS _FEWEST_POINTS _SPEED _MOVING _MOTION",
     "measured/observe.py": "START JITTER LEAST_NOISE LARGEST",
     "measured/order_spectrum.py": "_ANGLE_BINS _LARGEST _FINER",
     "measured/signal_factors.py": "DEGREES RPM TURN SETPOINT",

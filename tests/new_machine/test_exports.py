@@ -137,8 +137,7 @@ def test_a_header_is_known_by_its_width_below_settings_and_above_a_ruler(tmp_pat
     file.write_text("gains,2.5,0.1\ntime,pos,vel,iq\n0,1,2,3\n1,2,3,4\n")
     assert read_table(file).header == ["time", "pos", "vel", "iq"]
     file.write_text("gains,2.5\ntime,pos,vel,iq\n====\n0,1,2,3\n1,2,3,4\n")
-    with pytest.raises(InputError, match="line 3: has 1 cell where the header has 4"):
-        read_table(file)
+    assert read_table(file).header == ["time", "pos", "vel", "iq"] and read_table(file).line(0) == 4
 
 
 def test_lists_in_cells_are_refused_with_what_to_write(tmp_path):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.traces.trace_table import read_table
 
 ROWS = "0,1;1,5;2,5\n0,2;1,6;2,5\n0,3;1,7;2,5\n"
@@ -33,3 +34,10 @@ def test_columns_between_blanks_too(tmp_path, kind):
     (tmp_path / "run.txt").write_text("t  pos  cur\n" + BETWEEN[kind] + "0.1  1.5  2.5\n0.2  1.6  2.5\n")
     table = read_table(tmp_path / "run.txt")
     assert table.header == ["t", "pos", "cur"] and np.array_equal(table.columns[0], [0.1, 0.2])
+
+
+@pytest.mark.parametrize("torn", ["0,05\n", "0,05;\n", "\n0,05\n"])
+def test_a_first_row_that_is_cut_is_not_skipped(tmp_path, torn):
+    (tmp_path / "run.csv").write_text(f"t;pos;cur\n{torn}{ROWS}")
+    with pytest.raises(InputError, match=r"line \d: "):
+        read_table(tmp_path / "run.csv")

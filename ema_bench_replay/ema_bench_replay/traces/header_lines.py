@@ -1,7 +1,7 @@
 """Find the header of a text trace: programs write information above it, and often a row of units below it.
 
 The header is the line above the first row of numbers. Comments, blank lines and quoted texts above it are skipped, and
-so is what stands between it and the rows.
+so is what stands between it and the rows, unless it begins with a number, as a row that is cut does.
 Where short names follow a row of units, the names above the units are the header, if each column has its own there. If
 nothing else names the columns, a comment directly above the rows with the same number of cells does, as written by
 numpy.
@@ -71,8 +71,14 @@ def header_lines(block: bytes) -> HeaderLines | None:
         cells, width = _cells(text, mark), len(lines[rows][0].split(mark))
         if len(cells) == width + 1 > 2:
             text = mark.join(cells[:width])
-    last = header if rows is None else rows - 1  # blank lines, comments and others between header and rows are skipped
+    last = header if rows is None or _torn_row(lines, header, rows) else rows - 1
     return HeaderLines(text, last + 1, lines[last][1])
+
+
+def _torn_row(lines: list[tuple[str, int]], header: int, rows: int) -> bool:
+    """Whether a line between the header and the first whole row begins with a number, so that it may be a row."""
+    between = (text for text, _ in lines[header + 1 : rows])
+    return any(_NUMBER.fullmatch(text.split(_delimiter(text))[0].strip(' "')) for text in between)
 
 
 def _header_in_comment(lines: list[tuple[str, int]], rows: int) -> HeaderLines:
