@@ -110,6 +110,16 @@ def test_a_motors_own_torque_is_not_behind_it(kind):
     assert behind(CURRENTS[kind], noisy(TORQUE, 0.02), {"speed": SPEED}) is None
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_nor_is_it_for_a_supply_or_a_magnetised_motor_at_other_speeds(seed):
+    """A cube of the speed goes with its square and the speed: but then friction would push."""
+    draw = np.random.default_rng(seed)
+    speed = draw.uniform(100.0, 300.0) + draw.uniform(20.0, 250.0) * np.sin(draw.uniform(0.2, 2.0) * TIME)
+    torque = 1e-6 * speed * np.abs(speed) + draw.uniform(0.0, 3e-4) * np.gradient(speed, TIME)
+    for current in (torque * speed / 24.0 + 0.1, np.sqrt(4.0 + (torque / 0.03) ** 2)):
+        assert behind(current, torque, {"speed": speed}) is None
+
+
 def test_neither_is_one_that_has_nothing_to_do_with_the_current():
     current = driving(LOAD, BOTH_WAYS) / 0.5
     assert behind(current, RANDOM.standard_normal(len(TIME)), {"speed": BOTH_WAYS}) is None

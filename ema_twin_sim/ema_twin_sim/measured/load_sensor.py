@@ -97,8 +97,9 @@ def torque_per_current(recordings: Sequence[Recording]) -> float | None:
 def left_of_the_drive(recordings: Sequence[Recording]) -> tuple[float, float] | None:
     """What the load leaves of the drive's changes (rms, as a share): alone, and with the motion; None if it shows none.
 
-    With the motion, 1.0 if inertia and friction would have opposite signs, which no machine has. The drive is the
-    current, or else the motor's torque. Operating points do not accelerate.
+    With the motion, 1.0 if inertia and friction would have opposite signs, which no machine has. If they act against
+    the load's sign, the sensor counts the other way: then the drive must feed the motion, as friction needs, or it is
+    1.0 too. The drive is the current, or else the motor's torque. Operating points do not accelerate.
     """
     points = [_rows_of_points(r) for r in recordings if r.of_points]
     rows = np.concatenate(points) if points else _all_rows(recordings)
@@ -113,7 +114,9 @@ def left_of_the_drive(recordings: Sequence[Recording]) -> tuple[float, float] | 
     found, *_ = np.linalg.lstsq(columns / size, drive, rcond=None)
     changes = float(np.std(drive))
     parts = (found / size * np.std(columns, axis=0))[2:] / changes
-    opposed = min(parts.max(), -parts.min()) > SMALL
+    most = parts[np.argmax(np.abs(parts))]
+    feeds = float(drive @ rows[:, _SPEED])
+    opposed = min(parts.max(), -parts.min()) > SMALL or (most * found[1] < 0.0 and most * feeds < 0.0)
     together = 1.0 if opposed else float(np.std(drive - columns / size @ found)) / changes
     return float(np.std(alone)) / changes, together
 
