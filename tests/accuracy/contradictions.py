@@ -181,7 +181,8 @@ def _credits(told: Told) -> Iterator[str]:
         yield "the fit of the model's own constants is not told"
     alone = told.comparisons[0].overall.get(unseen["signal"])
     mixed = told.comparisons[0].input == "mixed"
-    if alone is not None and not mixed and not math.isclose(alone["rmse"], unseen["as_given"]["rmse"], rel_tol=1e-6):
+    # a search simulates in steps twice as long
+    if alone is not None and not mixed and not math.isclose(alone["rmse"], unseen["as_given"]["rmse"], rel_tol=0.01):
         yield f"as given, discover tells {unseen['as_given']['rmse']}, compare {alone['rmse']}"
 
 

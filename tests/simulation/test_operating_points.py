@@ -18,6 +18,7 @@ from ema_twin_sim.discovery.plan import plan
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.measured.folds import operating_point_folds
 from ema_twin_sim.model import load_model
+from ema_twin_sim.model.model_file import TORQUE_CONSTANT
 from ema_twin_sim.simulation.operating_points import approached, directed
 from ema_twin_sim.simulation.simulate import simulate
 from tests.command_line import refused, twin
@@ -181,7 +182,12 @@ def test_a_measured_load_is_taken_off_the_drives_torque(motor):
 def test_a_load_sensor_tells_the_torque_constant(braking, motor):
     """A motor that gives a tenth less per ampere; unless it also brakes, friction that follows the load is the same."""
     unknown = replace(motor.effects["viscous_friction"], open=True)
-    model = replace(motor, effects={**motor.effects, "viscous_friction": unknown})
+    constant = replace(motor.constants[TORQUE_CONSTANT], source="data sheet")  # an assumed one would be fitted
+    model = replace(
+        motor,
+        effects={**motor.effects, "viscous_friction": unknown},
+        constants={**motor.constants, TORQUE_CONSTANT: constant},
+    )
     rng = np.random.default_rng(3)
     load = np.tile(np.linspace(-5e-3 if braking else 5e-4, 5e-3, 60), 2)
     speed = np.repeat([60.0, 100.0], 60)
