@@ -55,9 +55,9 @@ from .search.wandering_end import (
 )
 from .shares import of_sums, with_division
 from .split import ClosedLoop, with_best_split
+from .torque_constant import with_assumed_constant_free, with_factor_as_constant, with_factor_in_the_constant
 from .unmoved import beside_constants_as_filed, freed, with_unmoved_constants
 from .unseen import Unseen, gain_where_unseen, judge_unseen
-from .within_tolerance import with_assumed_constant_free, with_factor_as_constant, with_factor_in_the_constant
 
 
 @dataclass(frozen=True)

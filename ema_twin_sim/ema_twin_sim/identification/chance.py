@@ -1,4 +1,4 @@
-"""Chance: what a generic basis gains on noise of rows that resemble their neighbours."""
+"""Chance: what noise of rows that resemble their neighbours gives a generic basis, or any one direction."""
 
 from __future__ import annotations
 
@@ -27,20 +27,7 @@ def gain_on_correlated_noise(problem: EquationErrorProblem, before: Fit, after: 
     is white.
     """
     basis, _ = span_of(before, problem.generic_bases[name])
-    gained = 0.0
-    for o, part in zip(problem.observations, problem.torque_parts, strict=True):
-        residual, columns = after.residual[part], basis[part]
-        rows = len(residual)
-        if rows == 0:
-            continue
-        if o.of_points:
-            share = float(np.sum(columns**2)) / rows
-            gained += float(residual @ residual) / max(1.0 - share, 1.0 / rows) * share
-            continue
-        residual_power, basis_power = (np.abs(np.fft.rfft(each, axis=0)) ** 2 for each in (residual[:, None], columns))
-        share = basis_power.sum(axis=1) / rows
-        gained += float(_multiplicity(rows) @ (_before_it(residual_power[:, 0], share) * share)) / rows
-    return gained
+    return _power_along(problem, after.residual, basis, basis)
 
 
 def noise_along(problem: EquationErrorProblem, f: Fit, direction: np.ndarray) -> float:
@@ -49,21 +36,30 @@ def noise_along(problem: EquationErrorProblem, f: Fit, direction: np.ndarray) ->
     The noise is like a fit's residual, of its spectrum recording by recording, with what the fit's own numbers took out
     filled in as above; at operating points it is white.
     """
-    variance = 0.0
     taken, _ = np.linalg.qr(f.jacobian[: problem.size])
+    return math.sqrt(_power_along(problem, f.residual, taken, direction[:, None]))
+
+
+def _power_along(problem: EquationErrorProblem, residual: np.ndarray, taken: np.ndarray, columns: np.ndarray) -> float:
+    """Mean power of noise along columns (m, k), summed over these, in the torque rows.
+
+    The noise is like a ``residual`` (m,) before an orthonormal basis ``taken`` (m, j) was taken out of it.
+    """
+    found = 0.0
     for o, part in zip(problem.observations, problem.torque_parts, strict=True):
         rows = part.stop - part.start
         if rows == 0:
             continue
-        residual, along = f.residual[part], direction[part]
+        left, gone, along = residual[part], taken[part], columns[part]
         if o.of_points:
-            share = float(np.sum(taken[part] ** 2)) / rows
-            variance += float(residual @ residual) / max(rows * (1.0 - share), 1.0) * float(along @ along)
+            share = float(np.sum(gone**2)) / rows
+            found += float(left @ left) / max(rows * (1.0 - share), 1.0) * float(np.sum(along**2))
             continue
-        power, along_power = (np.abs(np.fft.rfft(each)) ** 2 for each in (residual, along))
-        share = (np.abs(np.fft.rfft(taken[part], axis=0)) ** 2).sum(axis=1) / rows
-        variance += float(_multiplicity(rows) @ (_before_it(power, share) * along_power)) / rows**2
-    return math.sqrt(variance)
+        power, taken_power, along_power = (
+            (np.abs(np.fft.rfft(each, axis=0)) ** 2).sum(axis=1) for each in (left[:, None], gone, along)
+        )
+        found += float(_multiplicity(rows) @ (_before_it(power, taken_power / rows) * along_power)) / rows**2
+    return found
 
 
 def _multiplicity(rows: int) -> np.ndarray:

@@ -13,7 +13,8 @@ from .assembly import Assembly, assemble
 from .fidelity import CYCLE_SHARE, DEFAULT_STEP, FineParts, is_fine
 
 COARSE = 2.0
-"""Times the default step, where only differences matter: no current RMSE of ``bench_cases`` changes by 1 %."""
+"""Times the default step, where only differences matter. Of 36 recordings of six ``bench_cases`` it changes the current
+RMSE of one by 2 %, of the others by less than 1 %."""
 Limit = tuple[float, str, str]
 """Step [s], what is too fast for a longer one, what to change."""
 

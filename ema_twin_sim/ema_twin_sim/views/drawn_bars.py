@@ -64,9 +64,8 @@ def draw_bars(stream: rr.RecordingStream, at: str, bars: Sequence[Bar], axis: Ax
         first = START + half  # the ends of thick lines are round
         sheet.bar(f"room {number}", [(first, middle), (END - half, middle)], half, GRID, 5.0)
         if end > START:
-            sheet.bar(
-                bar.name, [(first, middle), (max(end, first + half + _DOT) - half, middle)], half, bar.colour, 15.0
-            )
+            last = max(end - half, first + _DOT)
+            sheet.bar(bar.name, [(first, middle), (last, middle)], half, bar.colour, 15.0)
         label, colour = (bar.name, bar.colour) if bar.label is None else (bar.label, TEXT)
         sheet.write_to(START - 1.0, middle, _short(label), colour)
         sheet.write_from(END + 2.0, middle, bar.text, bar.colour)

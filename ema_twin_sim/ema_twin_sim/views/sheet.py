@@ -1,7 +1,7 @@
 """A sheet to draw on in a 2D view: a frame with ticks and titles, lines, bars, points and words.
 
-Rerun plots only scalars over time, so charts against speed or order are drawn. A sheet is ``WIDE`` by ``HIGH`` units;
-words keep their size on the screen, whatever the size of the view.
+Rerun plots only scalars over time, so charts against speed or order are drawn. A sheet is ``WIDE`` units wide, and from
+``ABOVE`` to ``HIGH`` units high; words keep their size on the screen, whatever the size of the view.
 """
 
 from __future__ import annotations

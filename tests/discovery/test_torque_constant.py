@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.within_tolerance import with_factor_in_the_constant
+from ema_twin_sim.discovery.torque_constant import with_factor_in_the_constant
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.model import load_model, save_model
 from tests.discovery.test_measured_load import braked, without_load
