@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import math
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -187,12 +185,7 @@ def refuse_evidence(path: Path | None) -> None:
 def write_json(path: Path | None, content: object) -> None:
     """Write a result as JSON, replacing an existing file; numbers that are not finite become null."""
     if path is not None:
-        write_text(path, json.dumps(_finite(content), indent=1, allow_nan=False) + "\n", force=True)
+        import orjson  # in a millisecond, where the standard library takes a tenth of a second
 
-
-def _finite(content: object) -> object:
-    if isinstance(content, dict):
-        return {key: _finite(value) for key, value in content.items()}
-    if isinstance(content, (list, tuple)):
-        return [_finite(value) for value in content]
-    return None if isinstance(content, float) and not math.isfinite(content) else content
+        options = orjson.OPT_INDENT_2 | orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_APPEND_NEWLINE
+        write_text(path, orjson.dumps(content, option=options).decode(), force=True)

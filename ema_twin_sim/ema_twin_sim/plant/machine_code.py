@@ -8,11 +8,20 @@ from __future__ import annotations
 
 import hashlib
 import os
+import sys
 from pathlib import Path
 from typing import Any
 
-import numba
-from numba.core import caching
+# Numba imports coverage wherever it is installed: 40 modules, of use only to a run that measures coverage.
+_measures_coverage = "coverage" in sys.modules
+if not _measures_coverage:
+    sys.modules["coverage"] = None  # type: ignore[assignment]
+
+import numba  # noqa: E402
+from numba.core import caching  # noqa: E402
+
+if not _measures_coverage:
+    del sys.modules["coverage"]
 
 COMPILED_OUTSIDE = ("identification/encoder_offsets.py", "identification/required_rows.py", "measured/smoothing.py")
 """Other sources with compiled loops that are kept, from the package's folder on."""
