@@ -99,6 +99,15 @@ def only_teeth(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     return not _mostly(problem, f, teeth)
 
 
+def follows_laws(problem: EquationErrorProblem, f: Fit) -> bool:
+    """Whether the torque is explained to the sensors' noise, with friction that does not wander.
+
+    Then nothing but a wrong shape leaves a dependence on the effect's own quantity: gravity in place of a spring leaves
+    a third of a per cent of what it explains. Real friction follows no law as exactly, and leaves more than noise.
+    """
+    return problem.weighting.wander is None and f.misfits[0] <= MISFIT_LEFT * problem.size
+
+
 def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     effect = catalogue()[f.hypothesis.added[name].effect]
     over = effect.depends_on
@@ -126,14 +135,15 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     chance = max(by_noise - by_chance(columns), by_chance(1 if over == "order" else 0))
     gained = _gained(bare, f, scale)
     # it exists on every machine, even if its law fits poorly while it warms up or wanders
-    share = MOSTLY if is_lacked(f.hypothesis, effect.id) else NEARLY_ALL
-    if gained >= share * (_gained(bare, any_shape, scale) - chance):
-        return True
+    lacked = is_lacked(f.hypothesis, effect.id)
     both = fit_with_basis(beside, f, best)
+    further = _gained(f, both, scale) - chance  # what any shape explains of that which the effect leaves
+    if gained >= (MOSTLY if lacked else NEARLY_ALL) * (_gained(bare, any_shape, scale) - chance):
+        return lacked or over in ("order", "load") or further <= DEPENDS or not follows_laws(problem, f)
     # what is unknown depends on something else if this quantity explains hardly any of what the effect leaves; the
     # basis of one order says nothing about another
     left = (f.misfits[0] - problem.size) / scale
-    if over != "order" and _gained(f, both, scale) - chance <= (1.0 - NEARLY_ALL) * left:
+    if over != "order" and further <= (1.0 - NEARLY_ALL) * left:
         return True
     # if it explains as much with that shape as alone, it does not imitate it: both are there
     return gained > 0.0 and _gained(any_shape, both, scale) >= MOSTLY * gained

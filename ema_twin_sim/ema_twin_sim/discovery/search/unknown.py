@@ -21,6 +21,7 @@ from ..criteria.likeness import likenesses
 from ..criteria.own_shape import (
     by_own_shape,
     explains_the_torque,
+    follows_laws,
     hardly_part,
     is_play,
     only_teeth,
@@ -202,7 +203,8 @@ def _doubtful(found: Search) -> list[str]:
 def _straining(found: Search, over: Mapping[str, str]) -> set[str]:
     """The added effects that pull constants from the file's values; ``over`` tells what each depends on.
 
-    An effect is not doubted if the same constants are off without it.
+    An effect is not doubted if the same constants are off without it and friction follows no law exactly: that moves
+    them as well. Where nothing but the sensors' noise is left, constants that are off show a wrong explanation.
     """
     strange = {*strained(found.fit)}
     if not strange:
@@ -211,6 +213,8 @@ def _straining(found: Search, over: Mapping[str, str]) -> set[str]:
     by_constants = {name for name in h.added if over[name] in BY_CONSTANTS}
     usual = {name for name in by_constants if is_lacked(h, h.added[name].effect)}
     suspects = by_constants - usual or by_constants  # usual effects are judged once the others are gone
+    if follows_laws(found.problem, found.fit):
+        return suspects
     return {name for name in suspects if not strange <= {*strained(fit(found.problem, h.without(name)))}}
 
 
