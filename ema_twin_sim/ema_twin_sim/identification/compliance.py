@@ -42,7 +42,7 @@ def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozen
 
     Effects in ``without`` are not added. The fits are under a weighting that suits impacts.
     """
-    h = with_sensors(problem, current, frozenset() if problem.size else without)
+    h = with_sensors(problem, current, without)
     if any(free.path == "scale.inertia" and free.prior is not None for free in h.free):
         # a rigid drivetrain takes an output that lags for a lighter one
         h = h.put({"scale.inertia": 1.0})
