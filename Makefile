@@ -20,7 +20,8 @@ demo: setup ## a recorded actuator beside its twin; then the missing effects are
 	@.venv/bin/ema-twin demo
 
 CHECKS = $(RUN) -m ruff check . && $(RUN) -m mypy
-TESTS = $(RUN) -m pytest tests -n auto --dist loadfile --no-loadscope-reorder
+# Containers often set PYTHONDONTWRITEBYTECODE; every test process would read all tests anew, for six seconds each.
+TESTS = PYTHONDONTWRITEBYTECODE= $(RUN) -m pytest tests -n auto --dist loadfile --no-loadscope-reorder
 
 test: setup ## style and type checks, then every test but those that take long
 	@$(CHECKS)

@@ -1,5 +1,6 @@
 """What all tests share: an isolated ROS graph, and the folders of recordings."""
 
+import gc
 import importlib
 import os
 from collections import Counter
@@ -69,6 +70,17 @@ def pytest_collection_modifyitems(items):
     """Put the longest files first; within them, and of the others, the order stays."""
     rank = {name: k for k, name in enumerate(LONGEST_FIRST)}
     items.sort(key=lambda item: rank.get(item.path.name, len(rank)))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """What is collected stays to the end: looking through it for what is not needed takes a quarter of that time."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.freeze()
 
 
 ABSENT = "absent, and no part of the project: "

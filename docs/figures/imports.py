@@ -24,36 +24,42 @@ def place(file: Path) -> Module:
     return file.relative_to(PACKAGE).with_suffix("").parts
 
 
+@cache
 def exists(parts: Module) -> bool:
     """Whether the package has a module or a folder of these parts."""
     path = PACKAGE.joinpath(*parts)
     return path.with_suffix(".py").exists() or (path / "__init__.py").exists()
 
 
-@cache
 def imports(file: Path, *, typing: bool = True) -> tuple[Module, ...]:
     """The parts of each module imported, a library by its name; without ``typing`` not what a type checker needs."""
-    return tuple(_imports(file, typing))
+    return tuple(wanted for wanted, types_only in _imports(file) if typing or not types_only)
 
 
-def _imports(file: Path, typing: bool) -> Iterator[Module]:
+@cache
+def _imports(file: Path) -> tuple[tuple[Module, bool], ...]:
+    """Each module imported, and whether a type checker alone needs it; a file is read once."""
+    return tuple(_read(file))
+
+
+def _read(file: Path) -> Iterator[tuple[Module, bool]]:
     here = place(file)
-    waiting: list[ast.AST] = list(ast.parse(file.read_text()).body)
+    waiting: list[tuple[ast.AST, bool]] = [(node, False) for node in ast.parse(file.read_text()).body]
     while waiting:
-        node = waiting.pop()
-        if isinstance(node, ast.If) and not typing and ast.unparse(node.test) == "TYPE_CHECKING":
-            continue
+        node, types_only = waiting.pop()
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            types_only = True
         if isinstance(node, ast.Import):
-            yield from ((alias.name.split(".")[0],) for alias in node.names)
+            yield from (((alias.name.split(".")[0],), types_only) for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and not node.level:
             name = node.module or ""
-            yield (NODES if name.startswith(NODES) else name.split(".")[0],)
+            yield (NODES if name.startswith(NODES) else name.split(".")[0],), types_only
         elif isinstance(node, ast.ImportFrom):
             above = (*here[: len(here) - node.level], *filter(None, (node.module or "").split(".")))
             for alias in node.names:
                 inner = (*above, alias.name)
-                yield inner if exists(inner) else above
-        waiting += ast.iter_child_nodes(node)
+                yield inner if exists(inner) else above, types_only
+        waiting += ((child, types_only) for child in ast.iter_child_nodes(node))
 
 
 def arrows(*, typing: bool = True) -> Iterator[tuple[Module, Module]]:

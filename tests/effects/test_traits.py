@@ -40,7 +40,10 @@ EFFECT = Effect(
 
 def named(file):
     """The ids of effects within a file's strings, docstrings left out."""
-    tree = ast.parse(file.read_text())
+    text = file.read_text()
+    if not any(effect in text for effect in catalogue()):
+        return set()
+    tree = ast.parse(text)
     told = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
     texts = [n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and id(n) not in told]
     pattern = re.compile(rf"\b(?:{'|'.join(catalogue())})\b")
