@@ -167,6 +167,7 @@ def test_bounds_alone_fill_one_column_in_the_order_of_the_numbers(frictions):
     assert columns(frictions) == ("found", "lowest error", "reported error", "actual error")
 
 
+@pytest.mark.slow
 def test_points_that_are_all_refused_are_counted_and_end_with_status_1(tmp_path):
     asked = ["sweep", "--model", "polito_bench", "-c", "triangle:0.1:0.5", "--seconds", "0.1", "--bounds-only",
              "--workers", "1", "-o", tmp_path / "r", "--vary", "coulomb_friction.torque=0.05:0.1:2"]  # fmt: skip
@@ -180,6 +181,7 @@ def test_points_that_are_all_refused_are_counted_and_end_with_status_1(tmp_path)
     refused(*asked, "--page", page, naming=["exists already"])
 
 
+@pytest.mark.slow
 def test_the_verb_goes_on_where_it_was_and_maps_two_numbers(tmp_path, capsys):
     asked = ["sweep", "--model", "polito_bench", "-c", "triangle:0.1:0.5", "--seconds", "3", "--bounds-only",
              "--workers", "1", "-o", tmp_path / "r"]  # fmt: skip

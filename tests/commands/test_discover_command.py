@@ -175,6 +175,7 @@ def record(folder, model, seconds=8.0):
     return sorted(folder.glob("*.mcap"))
 
 
+@pytest.mark.slow
 def test_a_diagnosis_of_two_effects(tmp_path, stock):
     hidden = {"cogging": {"torque": 0.03, "phase": 0.4}, "stribeck_friction": {"torque": 0.06, "speed": 1.5}}
     model = stock

@@ -121,6 +121,7 @@ def test_play_that_is_barred_leaves_the_spring_to_be_tried(stock):
     assert [f.hypothesis.effects for f in tried] == [("shaft_compliance",)]
 
 
+@pytest.mark.slow
 def test_the_numbers_of_teeth_that_were_fitted_are_told(stock):
     found = discover(record(stock.with_effect("backlash", {"width": 0.003})), stock)
     assert found.added == ("backlash",)

@@ -128,7 +128,7 @@ def test_phase_currents_of_a_simulated_recording_are_read_back(tmp_path, switchi
 def recorded(model):
     """Slow, fast and back and forth; a drive that switches in its usual band makes noise of its own."""
     commands = ("ramp:0.02", "ramp:0.08", "triangle:0.04:2")
-    return [virtual_bench(model, parse_command(c), 10.0, seed=k) for k, c in enumerate(commands)]
+    return [virtual_bench(model, parse_command(c), 6.0, seed=k) for k, c in enumerate(commands)]
 
 
 @faults

@@ -145,6 +145,7 @@ def test_degrees_of_freedom_are_those_of_the_tests_where_tests_differ():
     assert predict(rng.normal(size=(300, 2)), tests).degrees_of_freedom > 100.0
 
 
+@pytest.mark.slow
 def test_limits_of_few_tests_hold():
     """Hotelling's limit from six tests: one in a hundred of further tests lies beyond it."""
     rng = np.random.default_rng(6)

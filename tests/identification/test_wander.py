@@ -170,6 +170,7 @@ class TestBesideIt:
         assert found.verdict == "unknown" and "time" in found.depends_on
         assert found.model.effects["constant_load"].parameters["torque"] == pytest.approx(0.03, rel=0.1)
 
+    @pytest.mark.slow
     def test_nothing_hidden_is_nothing_named(self, stock):
         assert discover(worn(record(stock, RUNS), 0.05, stock), stock).added == ()
 

@@ -186,6 +186,7 @@ def test_a_kill_costs_a_quarter_of_a_second_at_most(bench, start, tmp_path):
         assert killed - (kept.start + kept.stamps[-1]) < 0.25e9
 
 
+@pytest.mark.slow
 def test_a_live_run_that_is_not_recorded_whole_is_refused(ramp, tmp_path, monkeypatch):
     """Its errors are told all the same."""
     from ema_twin_sim.nodes import live

@@ -116,7 +116,8 @@ def runaway(tmp_path_factory):
     return file
 
 
-@pytest.mark.parametrize("kind", ["lumped", *KINDS])
+# a plant is compiled with the effect, for three to ten seconds each but the first
+@pytest.mark.parametrize("kind", ["lumped", *(pytest.param(kind, marks=pytest.mark.slow) for kind in KINDS)])
 def test_a_simulation_that_diverges_stops_and_names_moment_and_state(kind, models, runaway):
     model = load_model(models.get(kind, "polito_bench")).with_effect("runaway")
     diverging = Twin(model, "standalone")
