@@ -22,9 +22,12 @@ def has_namespaces():
     return tools and apart(["ip", "tuntap", "add", "cable", "mode", "tap"]).returncode == 0
 
 
-pytestmark = pytest.mark.skipif(
-    not has_namespaces(), reason="needs unshare, nsenter and ip, and a kernel that lets users make networks"
-)
+pytestmark = [
+    pytest.mark.slow,  # the stranger looks for seconds
+    pytest.mark.skipif(
+        not has_namespaces(), reason="needs unshare, nsenter and ip, and a kernel that lets users make networks"
+    ),
+]
 
 
 def seen(*variables):

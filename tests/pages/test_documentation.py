@@ -23,6 +23,7 @@ def built(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_every_page_is_there_and_led_to(built):
     pages = {file.stem for file in DOCS.glob("*.md")}
     start = (built / "index.html").read_text()
@@ -31,6 +32,7 @@ def test_every_page_is_there_and_led_to(built):
         assert f'href="{page}.html"' in start, page
 
 
+@pytest.mark.slow
 def test_pages_fetch_nothing(built):
     fetched = re.compile(r'<(script|img|iframe)[^>]*src="(https?:)?//|<link[^>]*href="(https?:)?//|url\(.?https?:')
     for file in [*built.glob("*.html"), *(built / "_static").rglob("*.css")]:
