@@ -25,6 +25,7 @@ from ..measured.folds import operating_point_folds
 from ..measured.noise import NoiseFloor, noise_of
 from ..measured.observability import at_rest, not_shown, own_not_shown, restored
 from ..measured.observe import observe_all
+from ..measured.quieter_motion import as_measured
 from ..measured.scales import rms_torque, to_own_units, to_rotary_equivalent, with_hidden_as_given, with_output_held
 from ..measured.switching_ripple import with_switching_ripple
 from ..measured.usual_sizes import unusual_currents
@@ -149,11 +150,12 @@ def discover(
     InputError if the recordings cannot be judged.
     """
     progress("reading the motion")
-    noise = noise_of(recordings, model)
     given, given_recordings = model, recordings
-    rotary, began = to_rotary_equivalent(recordings, model)
+    measured = as_measured(recordings, model)
+    noise = noise_of(measured, model)
+    rotary, began = to_rotary_equivalent(measured, model)
     rotary = operating_point_folds(rotary, began)
-    recordings, model = to_own_units(recordings, model)
+    recordings, model = to_own_units(measured, model)
     recordings, awake = operating_point_folds(recordings, model), model
     model = with_output_held(at_rest(model, recordings), recordings)
     refuse_inconsistent(recordings, model)
@@ -208,7 +210,7 @@ def discover(
         held = beside_constants_as_filed(found)
         beside = judge_unseen(rotary, began, noise, held)
         stands = beside.betters or (not beside.worsens and _told_by_rows(found.fit))
-        if stands and beside.rmse[-1] < unseen.rmse[-1]:
+        if stands and beside.moving[-1] < unseen.moving[-1]:
             found, unseen = freed(held, found), beside
     constants_alone = known and not found.fit.hypothesis.added and not model.is_open
     as_given = (not known and not stands) or (constants_alone and unseen.worsens)

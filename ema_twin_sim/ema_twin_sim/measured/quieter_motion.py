@@ -31,23 +31,29 @@ AS_QUIET = math.sqrt(1.5)  # a position's second derivative is as quiet as a spe
 STRETCHES, STRETCH = 10, 20_000  # stretches of a long recording that are examined, and samples of each
 
 
-def as_measured(recordings: Sequence[Recording], model: Model) -> list[Recording]:
+class Measured(list[Recording]):
+    """Recordings that ``as_measured`` gave; it gives them back as they are."""
+
+
+def as_measured(recordings: Sequence[Recording], model: Model) -> Measured:
     """The recordings as ``model.matching.matched`` gives them, without spoilt samples and without noisy speeds.
 
     Whether a speed is noisier than the position is decided once for all of them, since they come from the same sensors.
     The first recording without its speed carries the warning. Raises InputError if recordings and model do not belong
     together.
     """
+    if isinstance(recordings, Measured):
+        return recordings
     found = _told_once(recordings, [matched(without_spoilt_motion(recording), model) for recording in recordings])
     coarse = {k: both for k, one in enumerate(found) if (both := _noise_and_acceleration(one, model)) is not None}
     noise, acceleration = (
         (float(sum(column)) for column in zip(*coarse.values(), strict=True)) if coarse else (0.0, 0.0)
     )
     if not noise > SMALL**2 * acceleration:
-        return found
+        return Measured(found)
     named = first_of([found[k].name for k in coarse])
     warning = f"{named}: the speed is too noisy for the acceleration; the motion is taken from the position instead"
-    return [
+    return Measured(
         replace(
             one,
             signals={name: values for name, values in one.signals.items() if name != "speed"},
@@ -56,7 +62,7 @@ def as_measured(recordings: Sequence[Recording], model: Model) -> list[Recording
         if k in coarse
         else one
         for k, one in enumerate(found)
-    ]
+    )
 
 
 def _told_once(recordings: Sequence[Recording], found: Sequence[Recording]) -> list[Recording]:

@@ -191,7 +191,7 @@ def _best(current: Fit, trials: Iterable[Trial]) -> Trial | None:
 def entrants(problem: EquationErrorProblem, current: Fit, without: frozenset[str]) -> list[Hypothesis]:
     """The current hypothesis with each of the most promising effects added."""
     options = [c for c in candidates(current.hypothesis, without) if c.effect not in COMPLIANT_EFFECTS]
-    options += [c for c in order_candidates(problem, current) if c.effect not in without]
+    options += order_candidates(problem, current, without)
     ranked = screen(problem, current, resolved(problem, options, current.hypothesis.base))
     picked: list[Screened] = []
     for s in ranked:

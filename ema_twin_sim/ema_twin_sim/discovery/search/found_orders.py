@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -30,31 +30,35 @@ LEAST_DIGITS, MOST_DIGITS = 3, 15  # digits that an order is written with
 SAME = 1e-4  # rad, within which two points count as one angle
 
 
-def order_candidates(problem: EquationErrorProblem, f: Fit) -> list[Candidate]:
-    """Effects with a free order, at the orders that stand out in a fit's residual.
+def order_candidates(
+    problem: EquationErrorProblem, f: Fit, without: Collection[str] = frozenset()
+) -> Iterator[Candidate]:
+    """Effects with a free order, at the orders that stand out in a fit's residual; none of those in ``without``.
 
-    Empty if the machine has only the usual orders.
+    None if the machine has only the usual orders.
 
     What the motor's own turns cause repeats with each turn: its orders are whole numbers, including those of the
     electrical angle. What turns with the output has whole orders there. Gears and bearings have orders of their own.
     """
     base = f.hypothesis.base
     if not base.other_orders:
-        return []
+        return
     ratio = base.value("machine.gear_ratio")
-    found = [(the_effect(Trait.MOTOR_WAVE), str(order)) for order in standing_out(problem, f)]
-    if ratio != 1.0:  # otherwise the output's angle is the motor's
-        found += [(the_effect(Trait.OUTPUT_WAVE), str(order)) for order in standing_out(problem, f, ratio)]
-    found += [(SENSOR_WAVE, order) for order in of_the_encoders(problem, f, ratio)]
-    if (order := of_the_gears(problem, f)) is not None:
-        found.append((the_effect(Trait.MOTOR_WAVE if ratio == 1.0 else Trait.GEAR_WAVE), order))
-    held = {(i.effect, i.options.get("order")) for i in f.hypothesis.added.values()}
-    return [
-        Candidate(id, {**effect.default_options(), "order": order})
-        for id, order in found
-        if (effect := catalogue()[id]) and (id, order) not in held and addable(f.hypothesis, id)
-        if not (effect.searched and order in effect.options["order"])
+    found: list[tuple[str, Callable[[], Sequence[str]]]] = [
+        (the_effect(Trait.MOTOR_WAVE), lambda: standing_out(problem, f)),
+        (SENSOR_WAVE, lambda: of_the_encoders(problem, f, ratio)),
+        (the_effect(Trait.MOTOR_WAVE if ratio == 1.0 else Trait.GEAR_WAVE), lambda: of_the_gears(problem, f)),
     ]
+    if ratio != 1.0:  # otherwise the output's angle is the motor's
+        found.insert(1, (the_effect(Trait.OUTPUT_WAVE), lambda: standing_out(problem, f, ratio)))
+    held = {(i.effect, i.options.get("order")) for i in f.hypothesis.added.values()}
+    for id, orders in found:
+        effect = catalogue()[id]
+        if id in without or not addable(f.hypothesis, id):
+            continue
+        for order in orders():
+            if (id, order) not in held and not (effect.searched and order in effect.options["order"]):
+                yield Candidate(id, {**effect.default_options(), "order": order})
 
 
 def motor_order(effect: str, order: float, gear_ratio: float) -> float:
@@ -63,8 +67,8 @@ def motor_order(effect: str, order: float, gear_ratio: float) -> float:
     return order / gear_ratio if found.where(found.default_options()) == OUTPUT_TORQUE else order
 
 
-def of_the_gears(problem: EquationErrorProblem, f: Fit) -> str | None:
-    """The strongest of all resolved orders, as text; None if it is unclear, or whole (then it belongs to a shaft)."""
+def of_the_gears(problem: EquationErrorProblem, f: Fit) -> list[str]:
+    """The strongest of all resolved orders; none if it is unclear, or whole (then it belongs to a shaft)."""
     parts = []
     for o, part in zip(problem.observations, problem.torque_parts, strict=True):
         angle, speed = o.motor_origin + o.motion[o.rows, MOTOR_ANGLE], o.motion[o.rows, SPEED]
@@ -72,10 +76,10 @@ def of_the_gears(problem: EquationErrorProblem, f: Fit) -> str | None:
             parts.append((f.residual[part], angle, np.sign(speed)))
     strongest = find_order(parts)
     if strongest is None or strongest.dissipative or strongest.share < (1.0 - NEARLY_ALL):
-        return None
+        return []
     if _is_whole(strongest.order):
-        return None
-    return written_order(strongest.order, math.sqrt(CORRELATION) * strongest.order_std)
+        return []
+    return [written_order(strongest.order, math.sqrt(CORRELATION) * strongest.order_std)]
 
 
 def written_order(order: float, std: float) -> str:
@@ -91,24 +95,37 @@ def written_order(order: float, std: float) -> str:
 
 def of_the_encoders(problem: EquationErrorProblem, f: Fit, gear_ratio: float) -> list[str]:
     """Orders, in cycles per output turn, at which the encoders differ most: whole orders of either shaft."""
-    own = np.arange(1, HIGHEST + 1, dtype=float)
-    orders = np.unique(np.concatenate([own, own[:HIGHEST_OF_MOTOR] * gear_ratio]).round(6))
-    power = np.zeros(len(orders))
+    powers: dict[float, float] = {}
     for o, part in zip(problem.observations, problem.encoder_parts, strict=True):
         angle = o.output_origin + o.motion[o.encoder_rows, OUTPUT_ANGLE]
         if not len(angle):
             continue
         turns = float(np.ptp(angle)) / (2.0 * np.pi)
         speed = float(np.quantile(np.abs(o.motion[o.encoder_rows, SPEED]), SLOW)) / gear_ratio
+        highest = 2.0 * np.pi / (speed * o.period * len(o.kernel)) if speed > 0.0 else math.inf
         residual = f.residual[part] - f.residual[part].mean()
-        for k, order in enumerate(orders):
-            if order * turns > FEWEST_TURNS and order * speed * o.period * len(o.kernel) < 2.0 * np.pi:
-                power[k] += abs(residual @ np.exp(1j * order * angle)) ** 2 / len(angle)
-    return [f"{orders[k]:.10g}" for k in np.argsort(-power)[:MOST] if power[k] > 0.0]
+        each: dict[float, float] = {}
+        for per_turn, most in ((1.0, HIGHEST), (gear_ratio, HIGHEST_OF_MOTOR)):
+            for order, power in enumerate(_powers(residual, per_turn * angle, most), 1):
+                if per_turn * order * turns > FEWEST_TURNS and per_turn * order < highest:
+                    each.setdefault(round(per_turn * order, 6), power)
+        for at, power in each.items():
+            powers[at] = powers.get(at, 0.0) + power
+    strongest = sorted(powers, key=lambda order: (-powers[order], order))
+    return [f"{order:.10g}" for order in strongest[:MOST] if powers[order] > 0.0]
+
+
+def _powers(residual: np.ndarray, angle: np.ndarray, most: int) -> Iterator[float]:
+    """Power of a residual (n,) in waves of 1, 2, ... ``most`` cycles a turn of an angle (n,) [rad]."""
+    turn = np.exp(1j * angle)
+    wave = np.ones(len(angle), complex)
+    for _ in range(most):
+        wave *= turn
+        yield float(abs(residual @ wave)) ** 2 / len(angle)
 
 
 def highest_order(o: Observation) -> float:
-    """The order from which on an observation's rows do not resolve a wave: two rows per cycle, no aliases."""
+    """The order from which on an observation does not resolve a wave: two samples per cycle, no aliases."""
     if not o.of_points:
         step = float(np.quantile(np.abs(o.motion[o.rows, SPEED]), SLOW)) * o.period if len(o.rows) else 0.0
         return np.pi / step if step > 0.0 else np.inf
@@ -159,7 +176,7 @@ def is_bend(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     return turns < 1.0 and turns * f.hypothesis.model().motor_order(name) < MANY_CYCLES
 
 
-def standing_out(problem: EquationErrorProblem, f: Fit, gear_ratio: float | None = None) -> list[int]:
+def standing_out(problem: EquationErrorProblem, f: Fit, gear_ratio: float | None = None) -> list[str]:
     """The orders with the most power, in cycles per motor turn, up to what the samples resolve.
 
     Over part of a turn, neighbouring orders are the same wave, and only the strongest of them counts. With a
@@ -179,20 +196,17 @@ def standing_out(problem: EquationErrorProblem, f: Fit, gear_ratio: float | None
         lowest = 0.0 if turns >= FEWEST_TURNS else MANY_CYCLES / turns if turns > 0.0 else math.inf
         highest = highest_order(o) * per_turn
         residual = f.residual[part] - f.residual[part].mean()
-        turn = np.exp(1j * angle)
-        wave = np.ones(len(angle), complex)
-        for order in range(1, HIGHEST + 1):
-            wave *= turn
+        for order, found in enumerate(_powers(residual, angle, HIGHEST), 1):
             if lowest < order < highest and not (at_output and (order == 1 or _is_whole(order / per_turn))):
-                power[order] += abs(residual @ wave) ** 2 / len(angle)
+                power[order] += found
     apart = 1.0 / min(max(_turns(problem) / per_turn, 1.0 / HIGHEST), 1.0)
-    found: list[int] = []
+    taken: list[int] = []
     for order in np.argsort(-power):
-        if len(found) == MOST or power[order] == 0.0:
+        if len(taken) == MOST or power[order] == 0.0:
             break
-        if all(abs(order - other) >= apart for other in found):
-            found.append(int(order))
-    return found
+        if all(abs(order - other) >= apart for other in taken):
+            taken.append(int(order))
+    return [str(order) for order in taken]
 
 
 def _turns(problem: EquationErrorProblem) -> float:
