@@ -73,13 +73,13 @@ def _by_speed(problem: EquationErrorProblem) -> dict[str, np.ndarray]:
 
 def _by_position(problem: EquationErrorProblem) -> dict[str, np.ndarray]:
     angles = [o.output_origin + o.motion[:, OUTPUT_ANGLE] for o in problem.observations]
-    span = max(a.max() for a in angles) - min(a.min() for a in angles)
+    lowest, highest = min(a.min() for a in angles), max(a.max() for a in angles)
+    span = highest - lowest
     if span <= 0.0:
         return {}
     sense = [np.sign(o.motion[:, SPEED])[:, None] for o in problem.observations]
-    hats = [
-        hat_columns(a, np.linspace(min(b.min() for b in angles), max(b.max() for b in angles), KNOTS)) for a in angles
-    ]
+    knots = np.linspace(lowest, highest, KNOTS)
+    hats = [hat_columns(a, knots) for a in angles]
     found = {
         "output_position#load": at_rows(problem, hats),
         "output_position#friction": at_rows(problem, [h * s for h, s in zip(hats, sense, strict=True)]),
