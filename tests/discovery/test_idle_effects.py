@@ -48,22 +48,30 @@ TWO = ("gravity_load", "cogging")
     ((20.0, 1.2, 1.3), ("cogging",)),
 ])  # fmt: skip
 def test_what_adds_to_the_error_is_idle_where_constants_are_open(errors, idle):
-    assert idle_effects(searched(*TWO), seen(*errors), ())[0] == idle
-    assert idle_effects(searched(*TWO, is_open=False), seen(*errors), ()) == ((), False)
+    assert idle_effects(searched(*TWO), seen(*errors))[0] == idle
+    assert idle_effects(searched(*TWO, is_open=False), seen(*errors)) == ((), False)
 
 
 def test_what_others_need_is_left_out():
-    assert idle_effects(searched(*TWO), seen(20.0, 5.0, 6.0), {"cogging"}) == ((), False)
+    assert idle_effects(searched(*TWO), seen(20.0, 5.0, 6.0), {frozenset({"cogging"})}) == ((), False)
 
 
 def test_all_that_came_after_the_smallest_error_is_idle():
     """Each step after it was small, beside the noise; together they are not."""
     found = searched("gravity_load", "cogging", "spring_load", "quadratic_drag")
-    idle, _ = idle_effects(found, seen(20.0, 1.2, 1.215, 1.23, 1.245), ())
+    idle, _ = idle_effects(found, seen(20.0, 1.2, 1.215, 1.23, 1.245))
     assert idle == ("cogging", "spring_load", "quadratic_drag")
+
+
+def test_effects_that_need_each_other_are_idle_together():
+    """Each makes the others worse by its absence, yet without any of them the error was smaller."""
+    found, errors = searched(*TWO), seen(1.0, 1.3, 1.2)
+    alone = {frozenset({name}) for name in TWO}
+    assert set(idle_effects(found, errors, alone)[0]) == {*TWO}
+    assert idle_effects(found, errors, {*alone, frozenset(TWO)}) == ((), False)
 
 
 def test_backlash_that_removes_little_is_idle_with_known_constants_too():
     for is_open in (True, False):
-        assert idle_effects(searched("backlash", is_open=is_open), seen(20.0, 19.0), ()) == (("backlash",), True)
-        assert idle_effects(searched("backlash", is_open=is_open), seen(20.0, 10.0), ()) == ((), False)
+        assert idle_effects(searched("backlash", is_open=is_open), seen(20.0, 19.0)) == (("backlash",), True)
+        assert idle_effects(searched("backlash", is_open=is_open), seen(20.0, 10.0)) == ((), False)

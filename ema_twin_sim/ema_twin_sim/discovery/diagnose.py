@@ -141,7 +141,8 @@ def weigh(found: Discovery) -> Diagnosis:
     contests = _contests(problem, found)
     held = {cause.key: penalised_gain(cause.before, cause.after) for cause, *_ in contests}
     if not contests and found.verdict != "unknown":
-        contests = [[contender for contender in tried if len(_new(contender)) == 1]]
+        dropped = _dropped(found)
+        contests = [[c for c in tried if len(_new(c)) == 1 and c.instance.effect not in dropped]]
     absent: dict[Key, float] = {contender.key: 1.0 for contender in tried} | dict.fromkeys(held, 1.0)
     nothing = float(found.verdict != "unknown")
     for contest in contests:
@@ -197,6 +198,15 @@ def _contests(problem: EquationErrorProblem, found: Discovery) -> list[list[_Con
             contest += [_Contender(list(rival.hypothesis.added)[-1], bare, rival) for rival in rivals]
         contests.setdefault(contest[0].key, contest)
     return list(contests.values())
+
+
+def _dropped(found: Discovery) -> set[str]:
+    """The effects that the search added and removed again: it had reasons beyond their gain, such as useless numbers."""
+    return {
+        turn.before.hypothesis.added[name].effect
+        for turn in found.search.rounds
+        for name in {*turn.before.hypothesis.added} - {*turn.after.hypothesis.added}
+    } | {turn.effect_of(name) for turn in found.search.rounds for name in turn.removed}
 
 
 def _added(turn: Round, trial: Trial) -> list[_Contender]:

@@ -183,23 +183,26 @@ def discover(
     progress("judging on held-out recordings")
     began = began if model.is_open else in_si(model)
     unseen = judge_unseen(rotary, began, noise, found)
-    needed: set[str] = set()
-    idle, gearbox = idle_effects(found, unseen, needed) if known or model.is_open else ((), False)
+    kept: set[frozenset[str]] = set()
+    idle, gearbox = idle_effects(found, unseen, kept) if known or model.is_open else ((), False)
     while idle:
         before = {*found.fit.hypothesis.added}
         shown_over = tuple(dict.fromkeys(shows_over(found, name) for name in idle))
         fewer = less(found, idle, "it hardly improves the simulated loop")
         beside = judge_unseen(rotary, began, noise, fewer)
-        if model.is_open and not gearbox and not beside.moving[-1] < unseen.moving[-1]:
-            needed |= {*idle}  # by the other effects, whatever its own step did
-            idle, gearbox = idle_effects(found, unseen, needed)
+        less_error = beside.moving[-1]
+        if not fewer.fit.hypothesis.added:  # the given constants may do better than those fitted without effects
+            less_error = min(less_error, beside.moving[0])
+        if model.is_open and not gearbox and not less_error < unseen.moving[-1]:
+            kept.add(frozenset(idle))  # the other effects need it, whatever its own step did
+            idle, gearbox = idle_effects(found, unseen, kept)
             continue
         found, unseen = fewer, beside
         back = not before.issuperset(found.fit.hypothesis.added)  # it had replaced something
         # with open constants, the rest may explain the recordings as well as anything does
         known = (model.is_open or back) and explained(found.problem, found.fit, start)
         depends_on = () if known else depends_on or shown_over
-        idle, gearbox = idle_effects(found, unseen, needed) if (known and back) or model.is_open else ((), False)
+        idle, gearbox = idle_effects(found, unseen, kept) if (known and back) or model.is_open else ((), False)
     if known and model.is_open and _leaves_torque(unseen, rms_torque(rotary, began)):
         known, depends_on = False, ()  # what is left is too fast for the rows to tell on what it depends
     turned = torque_sign_reversed(found.problem, found.fit)  # then nothing that fits is a load of this machine

@@ -12,7 +12,9 @@ from .search.trace import BEATEN, SURER, Search, new_names
 from .unseen import Unseen
 
 
-def idle_effects(found: Search, unseen: Unseen, needed: Collection[str]) -> tuple[tuple[str, ...], bool]:
+def idle_effects(
+    found: Search, unseen: Unseen, kept: Collection[frozenset[str]] = ()
+) -> tuple[tuple[str, ...], bool]:
     """Effects at the end of the search that simulation of held-out recordings does not support.
 
     * Backlash or compliance that the encoders suggest but that removes little of the error there.
@@ -20,9 +22,11 @@ def idle_effects(found: Search, unseen: Unseen, needed: Collection[str]) -> tupl
     * With open constants: any effect on the torque that removes nothing there, or beside the noise adds to the error;
       and all that came after an error which was smaller than that of the end.
 
-    Those that are ``needed`` by others are left out. Second, whether it is backlash or compliance.
+    Sets that were ``kept``, because the simulation is worse without them, are not named again. Several effects may need
+    each other and be worse together than none of them. Second, whether it is backlash or compliance.
     """
     added = found.fit.hypothesis.added
+    needed = frozenset[str]().union(*kept)
     real = found.fit.hypothesis.base.is_open
     for k, turn in enumerate(found.taken):
         came = [name for name in new_names(turn.before, turn.after) if name in added and name not in needed]
@@ -45,10 +49,10 @@ def idle_effects(found: Search, unseen: Unseen, needed: Collection[str]) -> tupl
             return tuple(came), False
         if bending and there is not None and there <= 0.0:
             return bending, False
-    return (_since_the_best(found, unseen, needed) if real else ()), False
+    return (_since_the_best(found, unseen, kept) if real else ()), False
 
 
-def _since_the_best(found: Search, unseen: Unseen, needed: Collection[str]) -> tuple[str, ...]:
+def _since_the_best(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]) -> tuple[str, ...]:
     """Effects on the torque that came after the round that left the smallest error, if the end leaves clearly more."""
     added = found.fit.hypothesis.added
     held = [{*found.rounds[0].before.hypothesis.added}, *({*turn.after.hypothesis.added} for turn in found.taken)]
@@ -56,7 +60,8 @@ def _since_the_best(found: Search, unseen: Unseen, needed: Collection[str]) -> t
     least, before = min((one for one in errors if one[1] <= {*added}), key=lambda one: one[0])
     if not unseen.moving[-1] > (1.0 + NEGLIGIBLE) * least:
         return ()
-    return tuple(n for n in added if n not in before and n not in needed and shows_over(found, n) != "encoders")
+    since = tuple(n for n in added if n not in before and shows_over(found, n) != "encoders")
+    return () if frozenset(since) in kept else since
 
 
 def _before_both(found: Search, k: int) -> int:
