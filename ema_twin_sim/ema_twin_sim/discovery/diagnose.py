@@ -201,7 +201,7 @@ def _contests(problem: EquationErrorProblem, found: Discovery) -> list[list[_Con
 
 
 def _dropped(found: Discovery) -> set[str]:
-    """The effects that the search added and removed again: it had reasons beyond their gain, such as useless numbers."""
+    """The effects that the search added and removed again: it had reasons beyond their gain."""
     return {
         turn.before.hypothesis.added[name].effect
         for turn in found.search.rounds

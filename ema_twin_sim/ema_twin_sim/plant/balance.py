@@ -30,7 +30,11 @@ from .transmission import end_stop_torque
 
 BALANCE_LAG = 0.005  # s, each of the two lags: together about 20 Hz, above the variation of friction and loads
 COUNTER_LAG = 0.020  # s, if the speed is a counter's difference
-STANDSTILL = 0.05  # rad/s of the fast shaft; below, the shaft counts as held by dry friction
+STANDSTILL = 1.0 / 160.0
+"""Share of sqrt(dry friction / inertia) [rad/s] below which the shaft counts as held by dry friction.
+
+That friction stops a shaft of this speed within a radian. On the Torino bench, where the share was set, it is 8 rad/s.
+"""
 
 
 @njit(error_model="numpy")
@@ -49,10 +53,10 @@ def lagged_line(value, input_before, input_now, interval, time_constant):
 
 
 @njit(error_model="numpy")
-def unbalanced_torque(driving, speed, viscous, dry, break_away):
-    """Torque [N m] left by friction to accelerate the measured motion, before filtering."""
+def unbalanced_torque(driving, speed, viscous, dry, break_away, standstill):
+    """Torque [N m] left by friction to accelerate the measured motion, before filtering; below ``standstill`` at rest."""
     torque = driving - viscous * speed
-    if math.fabs(speed) < STANDSTILL:
+    if math.fabs(speed) < standstill:
         return held_by_dry_friction(torque, break_away)
     return torque - dry * (1.0 if speed > 0.0 else -1.0)
 
@@ -200,7 +204,8 @@ def _unexplained(plant, state, effects, before, now, simulated_angle, interval, 
         state.driven_bristle, plant.bristle_stiffness * share, plant.bristle_damping * share, interval,
     )  # fmt: skip
     passed = passed + uneven + bent
-    unbalanced = unbalanced_torque(driving - passed, sharp, viscous, dry, break_away)
+    standstill = STANDSTILL * math.sqrt(total_dry / (plant.motor_inertia + plant.output_inertia))
+    unbalanced = unbalanced_torque(driving - passed, sharp, viscous, dry, break_away, standstill)
     return filtered_balance(state, unbalanced, speed, inertia, interval, has_speed, smoothing)
 
 
