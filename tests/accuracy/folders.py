@@ -11,7 +11,7 @@ import numpy as np
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import Recording
 from ema_bench_replay.traces.import_map import load_map
-from ema_bench_replay.traces.trace_csv import write_trace
+from ema_bench_replay.traces.trace_writer import write_trace
 
 from .cases import Case
 from .trace import with_jump

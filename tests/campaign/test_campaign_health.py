@@ -14,13 +14,14 @@ from ema_twin_sim.campaign.campaign import outcome
 from ema_twin_sim.campaign.health_rows import health_row, run_of
 from ema_twin_sim.campaign.healthy import Healthy
 from ema_twin_sim.campaign.jobs import Grouping, Task, find_jobs
-from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED, SCHEMA
+from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED
 from ema_twin_sim.campaign.store import Store
 from ema_twin_sim.campaign.unit_health import unit_health
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.campaign.work import judged
 from ema_twin_sim.health import MotionRecord, judge, judge_run, learn, learn_from, run_features
 from tests.command_line import done_here
+from tests.stored_rows import complete
 
 LEAD = 0.005  # m
 HEALTH = Task("health", "", "cranfield_ball_screw", wavelength=LEAD)
@@ -62,10 +63,6 @@ def rig(tmp_path_factory):
 def rows(rig):
     jobs = find_jobs(Grouping.of(rig, None, "recording"), HEALTH)
     return [row for job in jobs for row in judged(job, HEALTH)]
-
-
-def complete(rows):
-    return [{**dict.fromkeys(SCHEMA.names), **row} for row in rows]
 
 
 def test_every_run_of_a_file_has_a_result(rows):
@@ -160,13 +157,9 @@ def test_a_job_that_failed_in_part_is_done_again(tmp_path):
     store = Store.made(tmp_path / "r")
 
     def a_try(at, *statuses):
-        store.write(
-            [
-                {**dict.fromkeys(SCHEMA.names), "key": "1", "unit": "A", "name": name, "task": "health", "model": "",
-                 "status": status, "done_at": datetime.fromtimestamp(at, timezone.utc)}
-                for name, status in statuses
-            ]
-        )  # fmt: skip
+        job = {"key": "1", "unit": "A", "task": "health", "model": ""}
+        done_at = datetime.fromtimestamp(at, timezone.utc)
+        store.write(complete({**job, "name": n, "status": status, "done_at": done_at} for n, status in statuses))
 
     a_try(1, ("f.csv", FAILED))
     assert store.settled() == set()
@@ -176,8 +169,8 @@ def test_a_job_that_failed_in_part_is_done_again(tmp_path):
     assert store.settled() == {"1"}
     assert [(row["name"], row["status"]) for row in store.rows()] == [("f.csv run 1", DONE), ("f.csv run 2", DONE)]
     for k in range(9):
-        store.write([{**dict.fromkeys(SCHEMA.names), "key": f"other {k}", "unit": "A", "name": f"{k}", "status": DONE,
-                      "done_at": datetime.fromtimestamp(k, timezone.utc)}])  # fmt: skip
+        other = {"key": f"other {k}", "unit": "A", "name": f"{k}", "status": DONE}
+        store.write(complete([{**other, "done_at": datetime.fromtimestamp(k, timezone.utc)}]))
     store.merge_files()
     assert [row["name"] for row in store.rows() if row["key"] == "1"] == ["f.csv run 1", "f.csv run 2"]
 

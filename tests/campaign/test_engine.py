@@ -99,12 +99,12 @@ def test_no_scheduler_is_told():
         pass
 
 
-def _command(*arguments):
+def _command(*arguments, **options):
     """A process of its own group, so that it can be killed with nothing else."""
     start = "import sys; sys.argv[0] = 'ema-twin'; from ema_twin_sim.entry import main; main()"
     return subprocess.Popen(
         [sys.executable, "-c", start, "campaign", *map(str, arguments)],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, **options,
     )  # fmt: skip
 
 
@@ -222,11 +222,8 @@ def test_ctrl_c_in_a_terminal_ends_a_campaign_without_tracebacks(tmp_path, after
     """A terminal interrupts all processes of a command: those that are starting, and those that work."""
     for number in range(12):
         shutil.copytree(RECORDINGS, tmp_path / "runs" / f"unit {number}")
-    arguments = ["campaign", tmp_path / "runs", "--model", "polito_bench", "-o", tmp_path / "results", "--workers", "2"]
-    start = "import sys; sys.argv[0] = 'ema-twin'; from ema_twin_sim.entry import main; main()"
-    with subprocess.Popen(
-        [sys.executable, "-c", start, *map(str, arguments)],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+    with _command(
+        tmp_path / "runs", "--model", "polito_bench", "-o", tmp_path / "results", "--workers", "2",
         preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),  # a shell's background ignores it
     ) as process:  # fmt: skip
         time.sleep(after)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.campaign.results import DONE, SCHEMA
+from ema_twin_sim.campaign.results import DONE
 from ema_twin_sim.campaign.sweep import VERB, Study, Varied, _unit, grid, sample, swept, with_settings
 from ema_twin_sim.campaign.sweep_points import detection_limit, swept_points
 from ema_twin_sim.model import load_model
@@ -17,12 +17,9 @@ from ema_twin_sim.quantities import quantity
 from ema_twin_sim.report.sweep_page import write_sweep_page
 from ema_twin_sim.words.sweep import columns, meaning, point_cells
 from tests.command_line import done_here, refused, twin
+from tests.stored_rows import complete
 
 STUDY = Study("polito_bench", ("triangle:0.1:0.5", "triangle:0.03:1"), 4.0)
-
-
-def complete(rows):
-    return [{**dict.fromkeys(SCHEMA.names), **row} for row in rows]
 
 
 @pytest.fixture(scope="module")

@@ -2,9 +2,10 @@
 
 import pytest
 
-from ema_twin_sim.campaign.results import DONE, REFUSED, SCHEMA
+from ema_twin_sim.campaign.results import DONE, REFUSED
 from ema_twin_sim.campaign.store import Store
 from tests.command_line import done, refused
+from tests.stored_rows import complete
 
 LACKS = ["backlash"], ["backlash", "stribeck_friction"], [], None
 
@@ -18,18 +19,8 @@ def results(tmp_path_factory):
         missing = LACKS[unit % 4]
         judged = {"verdict": "found" if missing else "nothing", "missing": missing, "status": DONE, "task": "discover"}
         of = {"status": REFUSED, "message": "no rows", "task": "discover"} if missing is None else judged
-        store.write(
-            [
-                {
-                    **dict.fromkeys(SCHEMA.names),
-                    "unit": f"EMA-{unit:03}",
-                    "name": f"run {k}",
-                    "key": f"{unit} {k}",
-                    **of,
-                }
-                for k in range(30)
-            ]
-        )
+        name = f"EMA-{unit:03}"
+        store.write(complete({"unit": name, "name": f"run {k}", "key": f"{unit} {k}", **of} for k in range(30)))
     return folder
 
 

@@ -1,7 +1,6 @@
 """The nodes are heard on this machine alone, unless ROS's own variable opens them to the network."""
 
 import os
-import shutil
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -11,24 +10,22 @@ from ros_graph import start_process
 
 from ema_bench_replay.nodes import loopback
 from ema_bench_replay.nodes.loopback import LOOPBACK, PROFILES, RANGE, keep_to_this_machine
+from tests.namespaces import ALONE, needs_own_network
 
 
-def test_a_range_that_was_chosen_stays():
-    environment = {RANGE: "SUBNET"}
+@pytest.mark.parametrize(
+    ("chosen", "added"),
+    [
+        ({RANGE: "SUBNET"}, {}),
+        ({PROFILES[1]: "/etc/own.xml"}, {RANGE: "LOCALHOST"}),
+        ({}, {RANGE: "SYSTEM_DEFAULT", **dict.fromkeys(PROFILES, str(LOOPBACK))}),
+    ],
+    ids=["a range", "transports", "nothing"],
+)
+def test_what_was_chosen_stays_and_the_profile_is_taken_where_nothing_was(chosen, added):
+    environment = dict(chosen)
     keep_to_this_machine(environment)
-    assert environment == {RANGE: "SUBNET"}
-
-
-def test_transports_that_were_chosen_stay():
-    environment = {PROFILES[1]: "/etc/own.xml"}
-    keep_to_this_machine(environment)
-    assert environment == {RANGE: "LOCALHOST", PROFILES[1]: "/etc/own.xml"}
-
-
-def test_the_profile_is_taken_where_nothing_was_chosen():
-    environment = {}
-    keep_to_this_machine(environment)
-    assert environment == {RANGE: "SYSTEM_DEFAULT", **dict.fromkeys(PROFILES, str(LOOPBACK))}
+    assert environment == {**chosen, **added}
 
 
 def test_another_middleware_keeps_to_this_machine_by_the_range(monkeypatch):
@@ -60,8 +57,6 @@ except InputError as error:
     print(error, file=sys.stderr)
     sys.exit(2)
 """
-ALONE = ["unshare", "--map-root-user", "--net", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
-"""In a network without another machine: what starts open tells nobody."""
 
 
 def started_with(profile, what):
@@ -78,10 +73,7 @@ def started_with(profile, what):
     return process.wait(), said
 
 
-@pytest.mark.skipif(
-    not all(map(shutil.which, ("unshare", "ip"))) or subprocess.run([*ALONE, "true"], capture_output=True).returncode,
-    reason="needs unshare and ip, and a kernel that lets users make networks",
-)
+@needs_own_network
 @pytest.mark.slow
 class TestProfileThatIsNotTaken:
     """Fast DDS goes on with sockets on every address. A node that finds them ends before it serves anybody."""

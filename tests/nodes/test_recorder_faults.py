@@ -20,6 +20,7 @@ from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import NO_DATE
 from tests.bags import DEFINITION, STATE
+from tests.namespaces import on_own_disk
 
 FOLDER = Path(__file__).resolve().parents[2]
 TOPIC = "/bench/state"
@@ -176,11 +177,8 @@ bench.send(500)
 assert not bench.writer.problem and bench.writer.finish() == {{TOPIC: bench.sent}}
 assert len(load(room / "live")) == opened_by_others(room / "live") == bench.sent
 """
-        mount = f"mount -t tmpfs -o size=400k tmpfs {room}"
-        if subprocess.run(["unshare", "-rm", "sh", "-c", mount], capture_output=True, check=False).returncode:
-            pytest.skip("this user may mount no file system of its own: unshare -rm mount -t tmpfs is refused")
-        command = ["unshare", "-rm", "sh", "-c", f'{mount} && exec "$0" -c "$1"', sys.executable, script]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        command = on_own_disk(room, "400k", 'exec "$0" -c "$1"')
+        done = subprocess.run([*command, sys.executable, script], capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
 
 

@@ -19,6 +19,7 @@ from ema_bench_replay.nodes.record import RecordNode
 from ema_bench_replay.nodes.sample_codec import write_state
 from ema_twin_msgs.msg import EmaState
 from tests.command_line import ENDING, MODEL, done_here
+from tests.namespaces import on_own_disk
 
 RECORD = "ema_bench_replay.nodes.record"
 TOPIC = "/bench/state"
@@ -139,13 +140,10 @@ def test_a_full_disk_is_told_and_gone_on_from(bench, tmp_path):
     """A file system of its own, in a namespace where the user may mount one; a file in it takes the room."""
     disk = tmp_path / "disk"
     disk.mkdir()
-    mount = f"mount -t tmpfs -o size=1000k tmpfs {disk}"
-    if subprocess.run(["unshare", "-rm", "sh", "-c", mount], capture_output=True, check=False).returncode:
-        pytest.skip("this user may mount no file system of its own: unshare -rm mount -t tmpfs is refused")
     folder, kept = disk / "bag", tmp_path / "kept"
     node = f"-m {RECORD} --ros-args -p output:={folder} -p topics:=[{TOPIC}]"
-    script = f"{mount} && {sys.executable} {node}; status=$?; cp -r {folder} {kept}; exit $status"
-    command = ["unshare", "-rm", "sh", "-c", f"trap : INT; {script}"]
+    script = f"trap : INT && {sys.executable} {node}; status=$?; cp -r {folder} {kept}; exit $status"
+    command = on_own_disk(disk, "1000k", script)
     record = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
     try:
         bench.await_recorder()

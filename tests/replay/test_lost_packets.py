@@ -1,6 +1,5 @@
 """What the transport drops, or a reader refuses, is sent again at once, but not over and over."""
 
-import shutil
 import signal
 import subprocess
 import sys
@@ -12,6 +11,7 @@ from ema_bench_replay.nodes.keep_all_publisher import KeepAllPublisher
 from ema_bench_replay.nodes.sample_codec import write_state
 from ema_twin_msgs.msg import EmaState
 from tests.bench_processes import HISTORY
+from tests.namespaces import ALONE, needs_own_network
 
 READER = """
 import rclpy
@@ -69,8 +69,6 @@ finally:
     reader.wait()
     graph.close()
 """
-ALONE = ["unshare", "--map-root-user", "--net", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
-"""In a network of its own, whose bytes are this stream's."""
 TOLD = 0.02
 """s between two times that a sender tells what it has sent: see loopback.xml."""
 ASKED_AT_ONCE = 256
@@ -116,10 +114,7 @@ def wait_for_last(reader, publisher):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(
-    not all(map(shutil.which, ("unshare", "ip"))) or subprocess.run([*ALONE, "true"], capture_output=True).returncode,
-    reason="needs unshare and ip, and a kernel that lets users make networks",
-)
+@needs_own_network
 def test_what_a_slow_reader_has_no_place_for_is_not_sent_over_and_over():
     """Once all places at the sender and at the reader are full, the reader refuses what comes next, and asks for it.
 

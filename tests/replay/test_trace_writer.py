@@ -9,7 +9,8 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import POINTS, Recording
 from ema_bench_replay.traces.import_map import load_map
-from ema_bench_replay.traces.trace_csv import read_trace, write_trace
+from ema_bench_replay.traces.trace_csv import read_trace
+from ema_bench_replay.traces.trace_writer import write_trace
 from tests.trace_text import HEADER, SIEMENS
 
 

@@ -11,20 +11,21 @@ import pytest
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.campaign.healthy import Healthy
 from ema_twin_sim.campaign.histories import outlooks
-from ema_twin_sim.campaign.results import DONE, REFUSED, SCHEMA
+from ema_twin_sim.campaign.results import DONE, REFUSED
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.report.fleet import write_fleet
 from ema_twin_sim.views.unit_history import write_unit_history
 from tests.rrd_content import RrdContent
+from tests.stored_rows import complete
 
 WEEK = 7 * 86400.0
 
 
 def results(unit, wear, drawn):
+    rows = []
     for week in range(24):
         width = 2.3e-3 + 1e-5 * drawn.normal() + wear * max(0, week - 10)
-        yield {
-            **dict.fromkeys(SCHEMA.names),
+        row = {
             "key": f"{unit} {week}",
             "unit": unit,
             "name": f"week {week}",
@@ -35,23 +36,15 @@ def results(unit, wear, drawn):
             "errors": [],
             "parameters": [{"owner": "backlash", "name": "width", "value": width, "std": 1e-5, "unit": "rad"}],
         }
+        rows.append(row)
+    return complete(rows)
 
 
 @pytest.fixture(scope="module")
 def units():
     drawn = np.random.default_rng(2)
-    rows = [*results("A/worn <b>", 4e-5, drawn), *results("B", 0.0, drawn)]
-    rows.append(
-        {
-            **dict.fromkeys(SCHEMA.names),
-            "unit": "C",
-            "name": "torn",
-            "task": "fit",
-            "status": REFUSED,
-            "message": "no rows",
-        }
-    )
-    return units_of(rows)
+    torn = {"unit": "C", "name": "torn", "task": "fit", "status": REFUSED, "message": "no rows"}
+    return units_of([*results("A/worn <b>", 4e-5, drawn), *results("B", 0.0, drawn), *complete([torn])])
 
 
 @pytest.fixture
@@ -86,7 +79,7 @@ def test_what_has_changed_is_told_with_where_it_leads(pages):
 def test_a_unit_that_has_passed_its_limit_is_told_so(tmp_path):
     """Worn out, and steady since: no trend leads anywhere any more."""
     drawn = np.random.default_rng(6)
-    rows = [*results("A", 0.0, drawn)]
+    rows = results("A", 0.0, drawn)
     for row in rows[6:]:
         row["parameters"][0]["value"] += 2.7e-3
     (unit,) = units_of(rows)

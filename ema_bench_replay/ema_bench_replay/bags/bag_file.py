@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from ema_bench_replay.bags.bag_parts import PART_NAME
-from ema_bench_replay.bags.mcap_file import McapFile, Messages
+from ema_bench_replay.bags.mcap_file import McapFile
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT)
 """Errors after which the same file can be continued once there is space."""
@@ -47,10 +47,6 @@ class BagFile:
     def messages(self) -> int:
         """Number of messages written."""
         return sum(self.content.counts.values())
-
-    def add_chunk(self, groups: list[Messages]) -> None:
-        """Write messages of all channels as one chunk."""
-        self.content.add_chunk(groups)
 
     def finish(self) -> None:
         """Write the index and close the file."""

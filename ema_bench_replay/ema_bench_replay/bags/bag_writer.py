@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
@@ -55,22 +55,23 @@ def _write(recording: Recording, stream: BinaryIO, name: str) -> str:
     """Write the MCAP; returns the text of metadata.yaml."""
     file = McapFile(stream)
     file.add_metadata(METADATA_NAME, _metadata(recording))
-    state = _encoder(file, STATE_TOPIC, STATE_TYPE, STATE_QOS, {"header": {"frame_id": "bench"}, "run": 1})
+    state = encoder_of(file, STATE_TOPIC, STATE_TYPE, STATE_QOS, {"header": {"frame_id": "bench"}, "run": 1})
     encoders = [state]
     joints = {"motor": "motor_position", "output": "output_position"}
     joints = {joint: signal for joint, signal in joints.items() if recording.has(signal)}
     if joints:
         zeros = [0.0] * len(joints)
         example = {"name": list(joints), "position": zeros, "velocity": zeros, "header": {"frame_id": "bench"}}
-        encoders.append(_encoder(file, JOINTS_TOPIC, JOINTS_TYPE, JOINTS_QOS, example))
+        encoders.append(encoder_of(file, JOINTS_TOPIC, JOINTS_TYPE, JOINTS_QOS, example))
     for start, end in _blocks(recording.stamps):
-        samples = np.arange(start, end)
-        blocks = [(state, state.encode(recording, samples, _state_columns(recording, samples)))]
+        samples, stamps = np.arange(start, end), recording.stamps[start:end] + recording.start
+        blocks = [(state, state.encode(stamps, samples, _state_columns(recording, samples)))]
         if joints:
             slots = recording.stamps[max(start - 1, 0) : end] // _JOINTS_PERIOD
             some = samples[np.diff(slots, prepend=slots[:0] if start else -1) != 0]
-            blocks.append((encoders[1], encoders[1].encode(recording, some, _joint_columns(recording, joints, some))))
-        for chunk in _chunks(blocks, recording.start):
+            columns = _joint_columns(recording, joints, some)
+            blocks.append((encoders[1], encoders[1].encode(stamps[some - start], some, columns)))
+        for chunk in chunks(blocks, recording.start):
             file.add_chunk(chunk)
         release_pages()
     file.finish()
@@ -79,7 +80,7 @@ def _write(recording: Recording, stream: BinaryIO, name: str) -> str:
     return metadata_yaml([FileOfBag(name, *file.span, sum(counts.values()))], topics)
 
 
-class _Encoder(NamedTuple):
+class Encoder(NamedTuple):
     """Makes the message records of one topic, which differ only in their numbers."""
 
     topic: str
@@ -90,22 +91,20 @@ class _Encoder(NamedTuple):
     dtype: np.dtype  # of a record: prefix and message
     blank: bytes  # a record with all constant parts
 
-    def encode(
-        self, recording: Recording, samples: np.ndarray, columns: Mapping[str, np.ndarray | float]
-    ) -> np.ndarray:
-        """Records (m,) of these samples (m,), with these values in their fields."""
-        records = np.frombuffer(bytearray(self.blank) * len(samples), self.dtype)
-        stamps = recording.stamps[samples] + recording.start
+    def encode(self, stamps: np.ndarray, sequence: np.ndarray, columns: Mapping[str, np.ndarray | float]) -> np.ndarray:
+        """Records (m,) at these stamps (m,), ns since the epoch, with these values in their fields."""
+        records = np.frombuffer(bytearray(self.blank) * len(stamps), self.dtype)
         prefix, message = records["prefix"], records["message"]
         prefix["log_time"] = prefix["publish_time"] = stamps
-        prefix["sequence"] = samples
+        prefix["sequence"] = sequence
         message["header.stamp.sec"], message["header.stamp.nanosec"] = np.divmod(stamps, 1_000_000_000)
         for name, values in columns.items():
             message[name] = values
         return records
 
 
-def _encoder(file: McapFile, topic: str, type_name: str, qos: str, example: dict[str, Any]) -> _Encoder:
+def encoder_of(file: McapFile, topic: str, type_name: str, qos: str, example: dict[str, Any]) -> Encoder:
+    """Add a topic to a file; its messages have the lengths and the constant parts of an example."""
     definition = message_definition(type_name)
     channel = file.add_channel(topic, type_name, definition.text, qos, definition.type_hash)
     types, root = parse(definition.text, type_name)
@@ -115,7 +114,7 @@ def _encoder(file: McapFile, topic: str, type_name: str, qos: str, example: dict
     blank["prefix"]["opcode"] = Opcode.MESSAGE
     blank["prefix"]["length"] = dtype.itemsize - PREFIX_UNCOUNTED
     blank["prefix"]["channel"] = channel
-    return _Encoder(topic, type_name, definition.type_hash, qos, channel, dtype, blank["prefix"].tobytes() + message)
+    return Encoder(topic, type_name, definition.type_hash, qos, channel, dtype, blank["prefix"].tobytes() + message)
 
 
 def _state_columns(recording: Recording, samples: np.ndarray) -> dict[str, np.ndarray | float]:
@@ -152,10 +151,10 @@ def _blocks(stamps: np.ndarray) -> Iterator[tuple[int, int]]:
         start = end
 
 
-def _chunks(blocks: list[tuple[_Encoder, np.ndarray]], start: int) -> Iterator[list[Messages]]:
-    """The records of one block, cut into chunks of one second."""
+def chunks(blocks: Sequence[tuple[Encoder, np.ndarray]], start: int = 0) -> Iterator[list[Messages]]:
+    """The records of each topic in a block, cut into chunks of one second, counted from `start` [ns]."""
     seconds = [(records["prefix"]["log_time"].astype(np.int64) - start) // _CHUNK for _, records in blocks]
-    for second in np.unique(seconds[0]):
+    for second in np.unique(np.concatenate([*seconds, np.zeros(0, np.int64)])):
         chunk = []
         for (encoder, records), of_record in zip(blocks, seconds, strict=True):
             low, high = np.searchsorted(of_record, (second, second + 1))

@@ -203,14 +203,12 @@ class McapScan:
             else:
                 how = f"its chunks are compressed with {chunk.compression!r}"
                 raise InputError(f"{self.path}: {how}; write it with zstd, lz4 or none")
-            if len(data) != chunk.uncompressed_size:
+            whole = len(data) == chunk.uncompressed_size
+            if not whole or (chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc):
                 raise ValueError
         except InputError:
             raise
         except (zstandard.ZstdError, RuntimeError, *_UNREADABLE):
-            self.damage = "a chunk is damaged"
-            return None
-        if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
             self.damage = "a chunk is damaged"
             return None
         return data

@@ -199,7 +199,7 @@ class StreamWriter:
     def _write_waiting(self) -> None:
         try:
             while self._waiting:
-                self._file_for(self._waiting[0]).add_chunk(self._waiting[0])
+                self._file_for(self._waiting[0]).content.add_chunk(self._waiting[0])
                 self._waiting.popleft()
         except OSError as error:
             self._again = time.monotonic_ns() + PATIENCE

@@ -20,7 +20,7 @@ samples each time, has to refuse them again, and has no time left for its work. 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, MutableMapping
+from collections.abc import MutableMapping
 from pathlib import Path
 
 from rclpy.node import Node
@@ -54,14 +54,14 @@ def keep_to_this_machine(environment: MutableMapping[str, str] = os.environ) -> 
     environment.update(dict.fromkeys(PROFILES, str(LOOPBACK)))
 
 
-def check_kept_to_this_machine(node: Node, environment: Mapping[str, str] = os.environ) -> None:
+def check_kept_to_this_machine(node: Node) -> None:
     """Raise InputError if Fast DDS has not applied our profile and this process listens on every address.
 
     Call it after the first node is created and before it is served: nobody has been answered until then. A range,
     profile or middleware chosen by the user is not checked, nor is a system without Linux's list of sockets.
     """
     table = Path("/proc/self/net/udp")
-    ours = environment.get(RANGE) == "SYSTEM_DEFAULT" and environment.get(PROFILES[0]) == str(LOOPBACK)
+    ours = os.environ.get(RANGE) == "SYSTEM_DEFAULT" and os.environ.get(PROFILES[0]) == str(LOOPBACK)
     if not ours or not table.exists():
         return
     first = _FIRST_PORT + _PORTS * node.context.get_domain_id()

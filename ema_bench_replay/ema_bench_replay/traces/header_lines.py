@@ -19,6 +19,7 @@ MOST_LINES = 200
 """Lines in which the first row of numbers must be; otherwise the first line that is not a comment is the header."""
 _DELIMITERS = (";", "\t", ",")
 _NUMBER = re.compile(r"[-+]?[\d.,]*\d[\d.,]*(?:[eE][-+]?\d+)?")
+_COMMENT = re.compile(r'[#%]|sep=|("[^"]*")?\Z', re.IGNORECASE)
 _UNIT_MARK = re.compile(r"[\[(].*[\])]|[-+\w.*·^⁻¹²]*[°%/µμΩ][-+\w./*·^⁻¹² ]*")
 _TIMES = {"s", "sec", "ms", "us", "ns", "min"}
 _OTHER_UNITS = {"min", "w", "kw", "hz", "raw", "bit", "bits"}
@@ -140,12 +141,7 @@ def _decoded(raw: bytes) -> str:
 
 def _is_comment(line: str) -> bool:
     """Whether a line above the header says nothing about the columns."""
-    plain = line.strip()
-    return not plain or plain.startswith(("#", "%")) or plain.lower().startswith("sep=") or _quoted_alone(plain)
-
-
-def _quoted_alone(line: str) -> bool:
-    return re.fullmatch(r'"[^"]*"', line) is not None
+    return _COMMENT.match(line.strip()) is not None
 
 
 def _delimiter(line: str) -> str:
@@ -159,40 +155,42 @@ def _width(line: str, mark: str) -> int:
 
 def _is_row(line: str) -> bool:
     """Whether a line holds numbers: its first cell is a number or a time of day, and some other cell is a number."""
-    cells = [cell.strip().strip('"').strip() for cell in line.split(_delimiter(line))]
+    cells = [_plain(cell) for cell in line.split(_delimiter(line))]
     numbers = [bool(_NUMBER.fullmatch(cell)) for cell in cells]
     return len(cells) > 1 and (numbers[0] or is_time_of_day(cells[0])) and any(numbers[1:])
 
 
 def _are_units(cells: list[str]) -> bool:
     """Whether all cells are units or empty, and at least one is not empty."""
-    plain = [cell.strip().strip('"').strip() for cell in cells]
-    told = [cell for cell in plain if cell not in ("", "-")]
+    told = [cell for cell in map(_plain, cells) if cell not in ("", "-")]
     return bool(told) and all(
         is_unit(cell) or cell.lower() in _OTHER_UNITS or _UNIT_MARK.fullmatch(cell) for cell in told
     )
 
 
 def _are_names(cells: list[str]) -> bool:
-    plain = [cell.strip().strip('"').strip() for cell in cells]
-    return all(re.search(r"[^\W\d]", cell) for cell in plain[:-1])
+    return all(re.search(r"[^\W\d]", cell) for cell in cells[:-1])
 
 
 def _with_time(names: list[str], units: list[str]) -> list[str]:
     """The names; a first one that is empty above a unit of time, as recorders of drives leave it, is the time's."""
-    if names[0].strip().strip('"').strip() or _plain_unit(units[0]).lower() not in _TIMES:
+    if _plain(names[0]) or _plain_unit(units[0]).lower() not in _TIMES:
         return names
     return ["time", *names[1:]]
 
 
+def _plain(cell: str) -> str:
+    return cell.strip().strip('"').strip()
+
+
 def _plain_unit(cell: str) -> str:
-    return cell.strip().strip('"').strip(" []()")
+    return _plain(cell).strip(" []()")
 
 
 def _with_units(names: list[str], units: list[str]) -> list[str]:
     """The names, each followed by its unit in brackets."""
     told = []
     for name, unit in zip(names, units, strict=False):
-        plain, unit = name.strip().strip('"').strip(), _plain_unit(unit)
+        plain, unit = _plain(name), _plain_unit(unit)
         told.append(f"{plain} [{unit}]" if plain and unit else plain)
     return told

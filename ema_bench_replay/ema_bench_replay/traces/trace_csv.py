@@ -31,10 +31,7 @@ from ema_bench_replay.traces.header_units import contradicted_unit
 from ema_bench_replay.traces.import_map import TIME_UNITS, Column, ImportMap, SignalMap
 from ema_bench_replay.traces.run_columns import how_to_read_runs, run_columns
 from ema_bench_replay.traces.trace_table import TraceTable, read_table
-from ema_bench_replay.traces.trace_writer import write_trace
 from ema_bench_replay.traces.wrapped_angle import counted_on
-
-__all__ = ["read_trace", "write_trace"]
 
 # A step differs from the usual one if it is off by more than this share and by more than the time column resolves.
 _UNEQUAL = 0.01

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,7 +12,7 @@ from .engine import Outcome, run
 from .jobs import Job, Task
 from .results import DONE, FAILED, REFUSED
 from .store import Store
-from .work import Row, judged, lost
+from .work import Row, blank, judged
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -22,13 +22,23 @@ _ORDER = (FAILED, DONE, REFUSED)
 
 def campaign(client: Client, jobs: Sequence[Job], task: Task, store: Path) -> Iterator[Outcome]:
     """Yield the outcomes of jobs as they finish; their rows are in the store."""
-    yield from run(client, jobs, partial(_batch, task=task, store=store), partial(_lost, task=task, store=store))
+    yield from stored(client, jobs, store, partial(judged, task=task), partial(blank, verb=task.verb, model=task.model))
 
 
-def _batch(jobs: Sequence[Job], task: Task, store: Path) -> list[Outcome]:
+def stored(
+    client: Client, jobs: Sequence[Job], store: Path, work: Callable[..., list[Row]], nothing: Callable[[Job], Row]
+) -> Iterator[Outcome]:
+    """Yield the outcomes of jobs as they finish; their rows are in the store.
+
+    ``work`` makes a job's rows, and calls ``tell`` with warnings; ``nothing`` makes the row of a job that was lost.
+    """
+    yield from run(client, jobs, partial(_batch, work=work, store=store), partial(_lost, nothing=nothing, store=store))
+
+
+def _batch(jobs: Sequence[Job], work: Callable[..., list[Row]], store: Path) -> list[Outcome]:
     one_after_another()  # the other cores have workers of their own
     told: list[list[str]] = [[] for _ in jobs]
-    each = [judged(job, task, warnings.append) for job, warnings in zip(jobs, told, strict=True)]
+    each = [work(job, tell=warnings.append) for job, warnings in zip(jobs, told, strict=True)]
     Store(store).write([row for rows in each for row in rows])
     return [outcome(job, rows, warnings) for job, rows, warnings in zip(jobs, each, told, strict=True)]
 
@@ -40,7 +50,6 @@ def outcome(job: Job, rows: Sequence[Row], warnings: Sequence[str] = ()) -> Outc
     return Outcome(job, worst["status"], worst.get("message") or "", seconds, tuple(warnings))
 
 
-def _lost(job: Job, reason: str, task: Task, store: Path) -> Outcome:
-    row = lost(job, task, reason)
-    Store(store).write([row])
-    return Outcome(job, row["status"], reason, 0.0)
+def _lost(job: Job, reason: str, nothing: Callable[[Job], Row], store: Path) -> Outcome:
+    Store(store).write([nothing(job) | {"status": FAILED, "message": reason}])
+    return Outcome(job, FAILED, reason, 0.0)

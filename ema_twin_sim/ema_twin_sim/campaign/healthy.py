@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
 from ema_bench_replay.errors import InputError
@@ -33,18 +33,11 @@ class Healthy:
         except re.error as error:
             raise InputError(f"--healthy {text}: is no number and no regular expression ({error})") from None
 
-    def of_history(self, names: Sequence[str], fewest: int) -> list[bool]:
-        """Whether each result that has the number is healthy, in the order of recording.
+    def among(self, names: Sequence[str], tests: Sequence[Hashable], fewest: int) -> list[bool]:
+        """Whether each result is healthy, in the order of recording; by default ``fewest`` whole tests or more are.
 
-        A pattern may find fewer than ``fewest``; the default takes at least ``fewest``.
+        A pattern may find fewer.
         """
-        if self.pattern is not None:
-            return [bool(self.pattern.search(name)) for name in names]
-        count = max(fewest, len(names) // PART_OF_ALL) if self.count is None else self.count
-        return [k < count for k in range(len(names))]
-
-    def among(self, names: Sequence[str], tests: Sequence[str], fewest: int) -> list[bool]:
-        """Whether each result is healthy, in the order of recording; by default ``fewest`` whole tests or more are."""
         if self.pattern is not None:
             return [bool(self.pattern.search(name)) for name in names]
         if self.count is not None:

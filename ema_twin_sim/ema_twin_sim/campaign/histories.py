@@ -139,7 +139,7 @@ def _history(
     if is_angle(f"{owner}.{name}"):  # a jump by a whole turn is no change
         values = np.unwrap(values)
     dated = bool(np.isfinite(days).all() and (np.diff(days) > 0.0).all())
-    flags = np.array(healthy.of_history(names, FEWEST_HEALTHY))
+    flags = np.array(healthy.among(names, range(len(names)), FEWEST_HEALTHY))
     repeats = np.zeros(0)
     if dated and len(firsts := np.flatnonzero(np.diff(np.floor(days), prepend=-np.inf))) > FEWEST_HEALTHY:
         repeats = np.diff(values)[np.diff(np.floor(days)) == 0.0]
@@ -149,7 +149,7 @@ def _history(
     as_asked = healthy == BY_DEFAULT or int(flags.sum()) >= FEWEST_HEALTHY
     if int(flags.sum()) < FEWEST_HEALTHY:
         first = BY_DEFAULT if healthy.pattern else Healthy(FEWEST_HEALTHY)
-        flags = np.array(first.of_history(names, FEWEST_HEALTHY))
+        flags = np.array(first.among(names, range(len(names)), FEWEST_HEALTHY))
     held = stands_still(values[flags])
     differ = (repeats if len(repeats) else np.diff(values[flags])) / np.sqrt(2.0)
     differing = float(np.mean(errors**2 if held else differ**2))

@@ -7,7 +7,7 @@ import itertools
 import json
 import math
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timezone
 from functools import partial
@@ -26,14 +26,13 @@ from ..model.constants import CONSTANTS
 from ..model.model import nearest
 from ..model.model_file import model_files
 from ..model.own_units import shown_entry
-from ..parallel import one_after_another
 from ..simulation.command import parse_command
 from ..simulation.virtual_bench import virtual_bench
-from ..version import VERSION
-from .engine import Outcome, run
+from .campaign import stored
+from .engine import Outcome
 from .jobs import Job
-from .results import DONE, FAILED, REFUSED
-from .store import Store
+from .results import DONE, REFUSED
+from .work import Row, blank, discovered, failed
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -168,13 +167,18 @@ def with_settings(model: Model, settings: Sequence[tuple[str, float]]) -> tuple[
 
 def sweep(client: Client, points: Sequence[Point], study: Study, store: Path) -> Iterator[Outcome]:
     """Yield the outcomes of points as they finish; their rows are in the store."""
-    yield from run(client, points, partial(_batch, study=study, store=store), partial(_lost, study=study, store=store))
+    nothing = partial(blank, verb=VERB, model=study.model)
+    yield from stored(client, points, store, partial(_rows, study=study), nothing)
 
 
-def swept(point: Point, study: Study) -> dict[str, Any]:
+def _rows(point: Point, study: Study, tell: Callable[[str], None]) -> list[Row]:
+    return [swept(point, study)]
+
+
+def swept(point: Point, study: Study) -> Row:
     """The row of a point: the effects that a search names, its estimates, and the bounds of their errors."""
     begun = time.perf_counter()
-    row = _blank(point, study)
+    row = blank(point, VERB, study.model)
     try:
         model = load_model(study.model)
         true, lacked = with_settings(model, point.settings)
@@ -191,14 +195,12 @@ def swept(point: Point, study: Study) -> dict[str, Any]:
             "bounds": bounds(recordings, model, true, lacked),
         }
         if study.search:
-            from .work import discovered
-
             row |= discovered(recordings, model)
         row["status"] = DONE
     except InputError as error:
         row |= {"status": REFUSED, "message": str(error)}
     except Exception as error:  # one failing point must not stop the sweep
-        row |= {"status": FAILED, "message": f"internal error: {type(error).__name__}: {error}"}
+        row |= failed(error)
     return row | {"seconds": time.perf_counter() - begun, "done_at": datetime.now(timezone.utc)}
 
 
@@ -256,31 +258,3 @@ def _unit(model: Model, path: str) -> str:
     if owner not in model.effects:
         return model.unit(path)
     return model.parameter_unit(model.effects[owner].effect, name)
-
-
-def _batch(points: Sequence[Point], study: Study, store: Path) -> list[Outcome]:
-    one_after_another()  # the other cores have workers of their own
-    rows = [swept(point, study) for point in points]
-    Store(store).write(rows)
-    return [
-        Outcome(point, row["status"], row.get("message") or "", row["seconds"])
-        for point, row in zip(points, rows, strict=True)
-    ]
-
-
-def _lost(point: Job, reason: str, study: Study, store: Path) -> Outcome:
-    row = _blank(point, study) | {"status": FAILED, "message": reason}
-    Store(store).write([row])
-    return Outcome(point, FAILED, reason, 0.0)
-
-
-def _blank(point: Job, study: Study) -> dict[str, Any]:
-    return {
-        "key": point.key,
-        "unit": point.unit,
-        "name": point.name,
-        "task": VERB,
-        "model": study.model,
-        "done_at": datetime.now(timezone.utc),
-        "version": VERSION,
-    }

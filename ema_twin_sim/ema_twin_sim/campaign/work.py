@@ -39,14 +39,14 @@ def judged(job: Job, task: Task, tell: Callable[[str], None] = lambda text: None
     themselves, which the rows have among their other warnings.
     """
     begun = time.perf_counter()
-    row = blank(job, task)
+    row = blank(job, task.verb, task.model)
     left_out: list[str] = []
     try:
         recordings = _read(job, task, left_out)
     except InputError as error:
         rows = [row | {"status": REFUSED, "message": str(error)}]
     except Exception as error:  # one recording must not stop the campaign
-        rows = [row | _failed(error)]
+        rows = [row | failed(error)]
     else:
         of_these = (warning for recording in recordings for warning in recording.warnings)
         for warning in dict.fromkeys([*left_out, *of_these]):
@@ -97,11 +97,12 @@ def _judged(row: Row, recordings: Sequence[Recording], job: Job, task: Task) -> 
     except InputError as error:
         row |= {"status": REFUSED, "message": str(error)}
     except Exception as error:  # one recording must not stop the campaign
-        row |= _failed(error)
+        row |= failed(error)
     return row
 
 
-def _failed(error: Exception) -> Row:
+def failed(error: Exception) -> Row:
+    """What a row says of an error of this package."""
     return {"status": FAILED, "message": f"internal error: {type(error).__name__}: {error}"}
 
 
@@ -137,23 +138,18 @@ def _wavelength(record: MotionRecord, model: Model | None, recording: Recording)
     return math.nan if model is None else 2.0 * math.pi / model.value("machine.gear_ratio")
 
 
-def blank(job: Job, task: Task) -> Row:
+def blank(job: Job, verb: str, model: str) -> Row:
     """The row of a job before anything is found."""
     return {
         "key": job.key,
         "unit": job.unit,
         "name": job.name,
-        "task": task.verb,
-        "model": task.model,
+        "task": verb,
+        "model": model,
         "time": job.time,
         "done_at": datetime.now(timezone.utc),
         "version": VERSION,
     }
-
-
-def lost(job: Job, task: Task, reason: str) -> Row:
-    """The row of a job on which the workers died."""
-    return blank(job, task) | {"status": FAILED, "message": reason}
 
 
 @lru_cache(maxsize=4)

@@ -9,7 +9,8 @@ import typer
 from ema_bench_replay.errors import InputError
 
 from . import options
-from .output import console
+from .output import console, unfolded
+from .tables import with_unit
 
 EXAMPLES = """Examples:
 
@@ -56,10 +57,9 @@ def run(
     console.print(f"[bold]{name}[/bold] added to {before.name}, written to {output}", soft_wrap=True)
     for parameter in found.parameters:
         given = "given" if parameter.name in parameters else "typical value, not fitted"
-        unit = after.parameter_unit(found.id, parameter.name)
-        named = "" if unit == "1" else f" {unit}"
-        console.print(f"  {parameter.name} = {instance.parameters[parameter.name]:g}{named} ({given})")
+        value = with_unit(instance.parameters[parameter.name], after.parameter_unit(found.id, parameter.name))
+        console.print(f"  {parameter.name} = {value} ({given})")
     for option, choice in instance.options.items():
         console.print(f"  {option} = {choice}")
     if own:
-        console.print(f"Every command that reads {output} needs: --with {effect}", markup=False, soft_wrap=True)
+        unfolded(f"Every command that reads {output} needs: --with {effect}")

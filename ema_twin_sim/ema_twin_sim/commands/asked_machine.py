@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from ..new_machine.given import Given
 
 LEAST_RATIO, MOST_RATIO = 1e-3, 1e5
-
-
 SHAFTS = "motor", "output"
 _CONSTANT = "Torque per ampere [N m/A], or force [N/A] (0: not known)"
 _GIVE_A_TRACE = "give a trace, whose columns answer it: ema-twin init TRACE.csv -o NAME"

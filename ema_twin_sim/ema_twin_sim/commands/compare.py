@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 from . import options
-from .output import Counted, counted, status
+from .output import counted, status
 from .shown_comparison import show_comparison
 
 EXAMPLES = """Examples:
@@ -50,7 +48,12 @@ def run(
     recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
     with counted(len(models) * len(recordings), "comparing") as done:
         comparisons = compare_all(
-            recordings, models, input, step=step, progress=partial(_tell, done), within=partial(_tell_within, done)
+            recordings,
+            models,
+            input,
+            step=step,
+            progress=lambda model, recording: done(f"{model}, {recording}"),
+            within=lambda model, recording, share: done.within(f"{model}, {recording}", share),
         )
     misread = dict.fromkeys(text for c in comparisons for text in c.misread)
     warn_of(misread, recordings)
@@ -67,11 +70,3 @@ def run(
                 rrd, recordings, models, model, source=input, step=step, comparisons=comparisons, force=force
             )
         tell_of_rrd(rrd, tabs)
-
-
-def _tell(done: Counted, model: str, recording: str) -> None:
-    done(f"{model}, {recording}")
-
-
-def _tell_within(done: Counted, model: str, recording: str, share: float) -> None:
-    done.within(f"{model}, {recording}", share)

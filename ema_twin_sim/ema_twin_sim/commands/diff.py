@@ -11,7 +11,7 @@ from rich.markup import escape
 
 from . import options
 from .output import console, say
-from .tables import ReportTable
+from .tables import ReportTable, with_unit
 
 if TYPE_CHECKING:
     from ..model import Model
@@ -77,7 +77,7 @@ def _constants(model: Model) -> dict[str, str]:
     for path, held in model.constants.items():
         if held.source != ABSENT:
             tolerance = OPEN if math.isinf(held.tolerance) else f"± {100.0 * held.tolerance:g} %"
-            found[model.shown_path(path)] = f"{_with_unit(held.value, model.unit(path))} {tolerance}"
+            found[model.shown_path(path)] = f"{with_unit(held.value, model.unit(path))} {tolerance}"
     return found
 
 
@@ -86,11 +86,7 @@ def _effects(model: Model) -> dict[str, str]:
     for name, instance in model.effects.items():
         words = [f"{option} {choice}" for option, choice in instance.options.items()]
         for parameter, value in instance.parameters.items():
-            words.append(f"{parameter} {_with_unit(value, model.parameter_unit(instance.effect, parameter))}")
+            words.append(f"{parameter} {with_unit(value, model.parameter_unit(instance.effect, parameter))}")
         words += ([] if instance.enabled else ["off"]) + (["open"] if instance.open else [])
         found[name] = ", ".join(words) or "present"
     return found
-
-
-def _with_unit(value: float, unit: str) -> str:
-    return f"{value:.6g}" if unit == "1" else f"{value:.6g} {unit}"

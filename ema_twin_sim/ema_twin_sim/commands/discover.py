@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from . import options
-from .output import console, say, status
+from .output import say, status, unfolded
 from .shown_search import show_doubts, show_search
 
 EXAMPLES = """Examples:
@@ -90,13 +90,12 @@ def run(
     for line in _written(output, model, is_new=is_new):
         say(line)
     shown: list[str | Path] = [model, output] if is_new else [model]
-    console.print(f"  {compare_command(runs, shown, with_files or (), import_map)}", markup=False, soft_wrap=True)
+    unfolded(f"  {compare_command(runs, shown, with_files or (), import_map)}")
     if evidence is not None:
         axis = "; operating points are drawn over position, 1 s per radian" if given.recordings[0].of_points else ""
-        told = f"  rerun {quote(str(evidence))}     (residuals of each step{axis})"
-        console.print(told, markup=False, soft_wrap=True)
+        unfolded(f"  rerun {quote(str(evidence))}     (residuals of each step{axis})")
     if report is not None:
-        console.print(f"  {report}     (HTML report, before and after)", markup=False, soft_wrap=True)
+        unfolded(f"  {report}     (HTML report, before and after)")
     if rrd is not None:
         tell_of_rrd(rrd, tabs)
     write_findings(json, found.as_json(), found)

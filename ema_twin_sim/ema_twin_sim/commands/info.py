@@ -16,7 +16,7 @@ from ..listing import number_of
 from ..quantities import quantity
 from . import options
 from .output import console, say
-from .tables import ReportTable
+from .tables import ReportTable, with_unit
 
 if TYPE_CHECKING:
     from ..simulation.figures import Figure
@@ -113,7 +113,7 @@ def _show_model(name: str, with_files: list[Path], json: Path | None) -> None:
     given = {path: held for path, held in model.constants.items() if held.source != ABSENT}
     for path, held in given.items():
         tolerance = OPEN if math.isinf(held.tolerance) else f"{100 * held.tolerance:g} %"
-        value = _with_unit(held.value, model.unit(path))
+        value = with_unit(held.value, model.unit(path))
         table.add_row(model.shown_path(path), value, tolerance, escape(held.source))
     console.print(table)
     effects = ReportTable()
@@ -123,7 +123,7 @@ def _show_model(name: str, with_files: list[Path], json: Path | None) -> None:
             instance_name + ("" if instance.enabled else " (off)") + (" (open)" if instance.open else ""),
             ", ".join(f"{k} {v}" for k, v in instance.options.items()),
             ", ".join(
-                f"{k} {_with_unit(v, model.parameter_unit(instance.effect, k))}" for k, v in instance.parameters.items()
+                f"{k} {with_unit(v, model.parameter_unit(instance.effect, k))}" for k, v in instance.parameters.items()
             ),
         )
     console.print(effects)
@@ -178,7 +178,3 @@ def _figures(found: Sequence[Figure]) -> ReportTable:
             shown = f"{figure.value:.4g}" if figure.unit == "1" else quantity(figure.value, figure.unit, 4)
             table.add_row(figure.name, shown, figure.note)
     return table
-
-
-def _with_unit(value: float, unit: str) -> str:
-    return f"{value:g}" if unit == "1" else f"{value:g} {unit}"

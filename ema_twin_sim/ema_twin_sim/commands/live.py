@@ -15,7 +15,7 @@ from . import options
 from .live_error import LINES_ARE, ErrorPrinter
 from .live_keys import Keys
 from .live_view import open_view
-from .output import console, say, warn
+from .output import console, say, unfolded, warn
 from .shown_live import as_json, show
 
 EXAMPLES = """Examples:
@@ -49,19 +49,11 @@ def run(
     ] = None,
     max_bag_size: Annotated[
         float | None,
-        typer.Option(
-            metavar="BYTES",
-            parser=options.number(1.0, 1e18, "bytes"),
-            help="With --record: start a new file at this size.",
-        ),
+        options.bounded("BYTES", 1.0, 1e18, "bytes", "With --record: start a new file at this size."),
     ] = None,
     max_bag_duration: Annotated[
         float | None,
-        typer.Option(
-            metavar="S",
-            parser=options.number(0.1, options.LARGEST, "s"),
-            help="With --record: start a new file after this time.",
-        ),
+        options.bounded("S", 0.1, options.LARGEST, "s", "With --record: start a new file after this time."),
     ] = None,
     results: Annotated[
         Path | None,
@@ -178,7 +170,7 @@ def run(
                 rate=rate,
                 loop=loop,
                 on_pairs=printer.take,
-                notify=lambda text: console.print(f"  {text}", markup=False, soft_wrap=True),
+                notify=lambda text: unfolded(f"  {text}"),
                 on_start=keys.begin,
                 record_to=record,
                 max_bag_size=round(max_bag_size or 0.0),

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from ..nodes.live_session import Pair
 
+_WINDOW = 1.0  # s that each printed error covers
 _BY_CURRENT = "unexplained_torque"
 _BY_SETPOINT = ("output_position", "current", "speed")
 """The signals whose error is printed, by what drives the twin."""
@@ -29,12 +30,11 @@ class ErrorPrinter:
     Otherwise the errors of output position, current and speed are.
     """
 
-    def __init__(self, noise: Mapping[str, float], recording: Recording | None, window: float = 1.0) -> None:
-        """``noise`` holds the noise floor of each signal; each printed error covers ``window`` [s]."""
+    def __init__(self, noise: Mapping[str, float], recording: Recording | None) -> None:
+        """``noise`` holds the noise floor of each signal."""
         self.watchers: list[Callable[[Sequence[Pair]], None]] = []
         self._floors = noise
         self._duration = recording.duration if recording is not None else None
-        self._window = window
         self._first: int | None = None
         self._last = 0
         self._next = 0.0
@@ -44,7 +44,7 @@ class ErrorPrinter:
         """Take a batch of pairs from the running monitor."""
         for pair in pairs:
             if self._first is None or pair.stamp <= self._last:  # another run
-                self._first, self._next = pair.stamp, self._window
+                self._first, self._next = pair.stamp, _WINDOW
                 self._sums.clear()
             self._last = pair.stamp
             for name in (_BY_CURRENT, *_BY_SETPOINT):
@@ -56,7 +56,7 @@ class ErrorPrinter:
             elapsed = (pair.stamp - self._first) * 1e-9
             if elapsed >= self._next:
                 self._print(elapsed)
-                self._next = elapsed + self._window
+                self._next = elapsed + _WINDOW
         for watcher in self.watchers:
             watcher(pairs)
 

@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated, Any, TypeVar
 
 import typer
 
@@ -19,6 +19,11 @@ LARGEST = 1e9
 def number(lower: float, upper: float, unit: str) -> Callable[[str], float]:
     """Parser of an option that takes a number in ``unit``; anything else is a usage error that states the bounds."""
     return _within(float, "number", lower, upper, f"give {lower:g} to {upper:g} {unit}")
+
+
+def bounded(metavar: str, lower: float, upper: float, unit: str, text: str) -> Any:
+    """An option that takes a number in ``unit`` between two bounds."""
+    return typer.Option(metavar=metavar, parser=number(lower, upper, unit), help=text)
 
 
 def whole(lower: int, upper: int) -> Callable[[str], int]:
@@ -156,10 +161,7 @@ Evidence = Annotated[
         help="Also write the residuals of each step, for rerun, Foxglove, PlotJuggler.",
     ),
 ]
-Rrd = Annotated[
-    Path | None,
-    typer.Option("--rrd", metavar="FILE.rrd", help="Also write views for rerun."),
-]
+Rrd = Annotated[Path | None, typer.Option("--rrd", metavar="FILE.rrd", help="Also write views for rerun.")]
 NewModel = Annotated[Path, typer.Option("-o", "--output", metavar="NEW", help="The model file to write.")]
 Results = Annotated[
     Path, typer.Option("-o", "--output", metavar="RESULTS", help="The folder of results; an existing one is continued.")

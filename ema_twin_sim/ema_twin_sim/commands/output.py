@@ -84,6 +84,11 @@ def say(text: str, *, style: str = "", markup: bool = False) -> None:
     console.print(fold(said, console.width) if folds else said, soft_wrap=True)
 
 
+def unfolded(text: str) -> None:
+    """Print a line as it is: neither folded nor read as markup."""
+    console.print(text, markup=False, soft_wrap=True)
+
+
 def fold(text: Text, width: int) -> Text:
     """The text folded to lines of at most ``width`` characters; a number and its unit stay on one line."""
     begin = end = resume = 0

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,7 +14,7 @@ from ..criteria import DECIDED
 from ..listing import listed
 from ..words.sentences import dependence_words, effect_words
 from . import options
-from .output import console, status
+from .output import console, status, unfolded
 from .tables import ReportTable
 
 if TYPE_CHECKING:
@@ -36,6 +36,11 @@ ema-twin simulate --command next.yaml --model polito_bench -o next.mcap     (as 
 ema-twin plan ramp.mcap --model polito_bench --max-travel 1.5 --max-speed 0.1"""
 
 
+def _limit(metavar: str, unit: str, text: str) -> Any:
+    """An option that takes a limit of the command in ``unit``."""
+    return options.bounded(metavar, 1e-9, options.LARGEST, unit, text)
+
+
 def run(
     runs: options.Runs,
     model: options.ModelName,
@@ -45,33 +50,23 @@ def run(
     ] = None,
     max_speed: Annotated[
         float | None,
-        typer.Option(
-            metavar="SPEED",
-            parser=options.number(1e-9, options.LARGEST, "rad/s (m/s if linear)"),
-            help="Limit of the output's speed, rad/s (m/s if the machine is linear).",
-        ),
+        _limit("SPEED", "rad/s (m/s if linear)", "Limit of the output's speed, rad/s (m/s if the machine is linear)."),
     ] = None,
     max_travel: Annotated[
         float | None,
-        typer.Option(
-            metavar="TRAVEL",
-            parser=options.number(1e-9, options.LARGEST, "rad (m if linear)"),
-            help="Limit of the output's travel from the start in either direction, rad (m if the machine is linear).",
+        _limit(
+            "TRAVEL",
+            "rad (m if linear)",
+            "Limit of the output's travel from the start in either direction, rad (m if the machine is linear).",
         ),
     ] = None,
-    max_current: Annotated[
-        float | None,
-        typer.Option(
-            metavar="A", parser=options.number(1e-9, options.LARGEST, "A"), help="Limit of the motor's current, A."
-        ),
-    ] = None,
+    max_current: Annotated[float | None, _limit("A", "A", "Limit of the motor's current, A.")] = None,
     max_torque: Annotated[
         float | None,
-        typer.Option(
-            metavar="TORQUE",
-            parser=options.number(1e-9, options.LARGEST, "N m (N if linear)"),
-            help="Limit of the motor's torque, N m (force, N, if the machine is linear); for recordings without a"
-            " current.",
+        _limit(
+            "TORQUE",
+            "N m (N if linear)",
+            "Limit of the motor's torque, N m (force, N, if the machine is linear); for recordings without a current.",
         ),
     ] = None,
     with_files: options.WithFiles = None,
@@ -119,7 +114,7 @@ def run(
                 )
         _show_how(found.proposal, model, given.model, output, with_files or ())
     elif output is not None:
-        console.print(f"\n{output} is not written: there is no command to write.", markup=False, soft_wrap=True)
+        unfolded(f"\n{output} is not written: there is no command to write.")
     warn_of(found.warnings, given.recordings)
     write_json(json, found.as_json())
 
@@ -188,19 +183,17 @@ def show(found: Plan, motion: str) -> None:
     else:
         console.print("[bold]No explanation is in doubt, but another recording would show more.[/bold]", soft_wrap=True)
     for doubt in found.in_doubt:
-        console.print(f"  {_spoken(doubt.reason)}", markup=False, soft_wrap=True)
+        unfolded(f"  {_spoken(doubt.reason)}")
     proposal = found.proposal
     if proposal is not None:
         console.print(f"\n[bold]Record next: {proposal.command}[/bold] for {proposal.seconds:g} s", soft_wrap=True)
-        console.print(f"  {in_words(proposal.command, motion)}", markup=False, soft_wrap=True)
-        console.print(f"  {_spoken(proposal.why)}", markup=False, soft_wrap=True)
+        unfolded(f"  {in_words(proposal.command, motion)}")
+        unfolded(f"  {_spoken(proposal.why)}")
         if proposal.beyond:
             load = "--max-current" if found.limits.torque_constant is None else "--max-torque"
-            console.print(
+            unfolded(
                 f"  beyond what was recorded so far: {'; '.join(proposal.beyond)}. Make sure that the bench allows it"
-                f" and nothing stops the output on the way, or give --max-speed, --max-travel or {load}.",
-                markup=False,
-                soft_wrap=True,
+                f" and nothing stops the output on the way, or give --max-speed, --max-travel or {load}."
             )
         if proposal.separation:
             console.print(_commands((proposal, *found.runners_up)))
@@ -208,16 +201,15 @@ def show(found: Plan, motion: str) -> None:
             console.print(_shown(proposal))
         if proposal.hides:
             hides = listed(map(effect_words, proposal.hides), "or")
-            console.print(f"It would still not show {hides}: record it, then run plan again with it.", soft_wrap=True)
+            unfolded(f"It would still not show {hides}: record it, then run plan again with it.")
     if found.inseparable:
         apart = "; ".join(" or ".join(map(_name, pair)) for pair in found.inseparable)
-        console.print(f"\nNo command within the limits can distinguish: {apart}.", markup=False, soft_wrap=True)
+        unfolded(f"\nNo command within the limits can distinguish: {apart}.")
         for hint in found.elsewhere():
-            console.print(f"  {hint}", markup=False, soft_wrap=True)
+            unfolded(f"  {hint}")
 
 
 def _commands(proposals: Sequence[Proposal]) -> ReportTable:
-
     table = ReportTable(f"\nHow well it would distinguish them, in standard deviations ({DECIDED:g} or more decide)")
     table.words("command")
     table.numbers("seconds", *(" or ".join(map(_name, pair)) for pair in proposals[0].separation))
@@ -259,21 +251,15 @@ def _show_how(proposal: Proposal, name: str, model: Model, output: Path | None, 
     own = "".join(f" --with {file}" for file in with_files)
     ratio = model.value("machine.gear_ratio")
     at_motor = "" if model.is_direct else f" (of the motor: {ratio:g} times that)"
-    console.print(
+    unfolded(
         f"\nRun it on the bench, as the setpoint of the output{at_motor}, and give its recording to discover with the"
-        " others.",
-        soft_wrap=True,
+        " others."
     )
     if not has_speed_controller(model):
-        console.print(
+        unfolded(
             "The model has no speed controller and cannot simulate the command first: begin on the bench with a smaller"
-            " one.",
-            soft_wrap=True,
+            " one."
         )
         return
-    console.print("To simulate it with this model first:", soft_wrap=True)
-    console.print(
-        f"  ema-twin simulate --model {name} --command {given} --seconds {proposal.seconds:g}{own} -o next.mcap",
-        markup=False,
-        soft_wrap=True,
-    )
+    unfolded("To simulate it with this model first:")
+    unfolded(f"  ema-twin simulate --model {name} --command {given} --seconds {proposal.seconds:g}{own} -o next.mcap")

@@ -12,7 +12,7 @@ from ema_bench_replay.errors import InputError
 
 from ..listing import number_of
 from . import options
-from .output import console, status, warn
+from .output import status, unfolded, warn
 from .report_page import check_page_name, weighed, write_page
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def run(
     for text in (undiagnosed, *told):
         if text:
             warn(text)
-    console.print(f"{output} is the report: open it in any browser, or send it.", markup=False, soft_wrap=True)
+    unfolded(f"{output} is the report: open it in any browser, or send it.")
 
 
 def _searched(

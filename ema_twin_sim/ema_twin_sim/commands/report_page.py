@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.outputs import write_text
 
 if TYPE_CHECKING:
     from ema_bench_replay.recording import Recording
@@ -48,7 +49,7 @@ def write_page(
     """
     from ..report.backwards import backwards
     from ..report.content import Content, shown
-    from ..report.page import write_report
+    from ..report.page import page
     from ..report.summary import misread
     from ..version import VERSION
 
@@ -59,7 +60,7 @@ def write_page(
     given = shown(recordings, models, source, comparisons=comparisons)
     apart = shown(held_out, models, source) if held_out else None
     content = Content(tuple(models), names, given, apart, findings, VERSION, story, undiagnosed, fit, note)
-    write_report(output, content, force=force)
+    write_text(output, page(content), force=force)
     return [*misread(content), *(text for text in (backwards(content), note) if text)]
 
 

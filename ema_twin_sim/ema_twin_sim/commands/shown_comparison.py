@@ -131,7 +131,6 @@ def _what_that_says(shown: Sequence[str], overall: Mapping[str, SignalError]) ->
 
 
 def _where(found: Sequence[Dependence], title: str) -> ReportTable:
-
     table = ReportTable(title)
     table.words("error of", "against")
     table.numbers("share of power")

@@ -13,6 +13,10 @@ if TYPE_CHECKING:
     from ..nodes.live_session import LiveResult
 
 
+_LATE, _LATE_BY = 1.05, 0.5
+"""A run was late if it took more than this factor times its nominal duration, plus so many seconds."""
+
+
 def as_json(result: LiveResult) -> dict[str, object]:
     """What ``compare --json`` writes, from the running nodes."""
     signals = dict(result.signals)
@@ -81,11 +85,3 @@ def late_words(result: LiveResult, rate: float) -> str:
         wanted = result.duration / rate
         return f"The nodes could not keep the requested rate: {wanted:.1f} s of replay took {result.elapsed:.1f} s."
     return ""
-
-
-_LATE = 1.05
-"""A run was late if it took more than this factor times its nominal duration, plus ``_LATE_BY``."""
-
-
-_LATE_BY = 0.5
-"""Additional margin in s."""

@@ -60,10 +60,8 @@ def run(
     ] = 0.0,
     phase: Annotated[
         float,
-        typer.Option(
-            metavar="RAD",
-            parser=options.number(-options.LARGEST, options.LARGEST, "rad"),
-            help="Phase that a periodic command begins with, in rad.",
+        options.bounded(
+            "RAD", -options.LARGEST, options.LARGEST, "rad", "Phase that a periodic command begins with, in rad."
         ),
     ] = 0.0,
     step: options.Step = None,

@@ -22,6 +22,11 @@ def is_narrow() -> bool:
     return console.width < _NARROW
 
 
+def with_unit(value: float, unit: str) -> str:
+    """A number and its unit, if it has one."""
+    return f"{value:g}" if unit == "1" else f"{value:g} {unit}"
+
+
 class ReportTable(Table):
     """A table of words and numbers; a ``title`` stands above it.
 

@@ -2,7 +2,7 @@
 
 from .baseline import Baseline, learn, learn_from
 from .families import Family
-from .judgement import HealthJudgement, judge, judge_all, judge_run, named_together
+from .judgement import HealthJudgement, judge, judge_run, named_together
 from .motion_record import MotionRecord
 from .run_features import RunFeatures, run_features
 
@@ -13,7 +13,6 @@ __all__ = [
     "MotionRecord",
     "RunFeatures",
     "judge",
-    "judge_all",
     "judge_run",
     "learn",
     "learn_from",

@@ -111,11 +111,6 @@ def judge_run(run: RunFeatures, baseline: Baseline) -> HealthJudgement:
     )  # fmt: skip
 
 
-def judge_all(records: Sequence[MotionRecord], baseline: Baseline) -> list[HealthJudgement]:
-    """Judge runs of the unit, each by itself."""
-    return [judge(record, baseline) for record in records]
-
-
 def named_together(judgements: Sequence[HealthJudgement]) -> tuple[Ranked, ...]:
     """Rank the families by the mean change of those of several runs that were called off, such as of one test or stage.
 

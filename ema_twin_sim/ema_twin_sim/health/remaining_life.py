@@ -10,12 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy import optimize, stats
 
 from .drift import Drift
 
 _BEYOND = 1e4  # times the history's length: longer counts as never
-_HALVINGS = 30
 
 
 @dataclass(frozen=True)
@@ -79,7 +78,4 @@ def _when(found: Drift, limit: float, limit_error: float, side: float, share: fl
         low, high = high, 2.0 * high
         if high > longest:
             return np.inf
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if passed(found, limit, limit_error, side, middle) >= share else (middle, high)
-    return high
+    return float(optimize.brentq(lambda after: passed(found, limit, limit_error, side, after) - share, low, high))

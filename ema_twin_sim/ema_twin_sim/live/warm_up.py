@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from ..model import Model
-from ..simulation.sensor_noise import noise_floors
 from ..simulation.twin import Twin
 
 
@@ -12,8 +11,3 @@ def warm_up_twin(model: Model, source: str) -> None:
     twin = Twin(model, source)
     twin.start({})
     twin.advance(1_000_000, {})
-
-
-def warm_up_comparison(model: Model) -> None:
-    """Compute the sensors' noise floors once; otherwise the first comparison has to."""
-    noise_floors(model)

@@ -13,9 +13,7 @@ from rclpy.parameter import Parameter
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.nodes.replay import ReplayNode
-from ema_bench_replay.nodes.spin import (
-    interrupted,
-)
+from ema_bench_replay.nodes.spin import interrupted
 from ema_bench_replay.recording import Recording
 
 from ..comparison.running_comparison import SignalError

@@ -31,9 +31,9 @@ from ..live.pairing import Pairing
 from ..live.trend import Trend
 from ..live.verdict import Level, errors_in_words, level_of
 from ..live.waiting import CAPACITY
-from ..live.warm_up import warm_up_comparison
 from ..model import Model
 from ..own_effects import load_effects
+from ..simulation.sensor_noise import noise_floors
 from .diagnosing.history import History
 from .diagnosing.node import DiagnosisNode, Watched
 from .waiting_states import WaitingStates
@@ -94,7 +94,6 @@ class MonitorNode(Node):
         *,
         parameters: Sequence[Parameter] = (),
         context: Context | None = None,
-        on_pair: PairListener | None = None,
         noise: Mapping[str, float] | None = None,
     ) -> None:
         """Compare by the noise of `model`, or of the model that the parameter names. Raises InputError if it is wrong.
@@ -109,10 +108,10 @@ class MonitorNode(Node):
         self._noise = noise
         self._input, self._window, self._from_start = given["input"], given["window"], given["from_start"]
         self._limits = {name: given[name] for name in ("warn_at", "error_at", "stale_after")}
-        warm_up_comparison(self.model)
+        noise_floors(self.model)  # computed once; otherwise the first comparison has to
         self.pairing: Pairing[State] = Pairing(partial(WaitingStates, given["capacity"]), given["from_start"])
         self.comparison = self._new_comparison("setpoint" if self._input == "auto" else self._input)
-        self.on_pair = on_pair
+        self.on_pair: PairListener | None = None
         self.announced: Run | None = None
         self._stamp = 0
         self._first_stamp = 0

@@ -84,15 +84,7 @@ def label(text: str) -> str:
 def line(x: np.ndarray, y: np.ndarray, name: str, colour: str, *, width: float = 1.5, **more: Any) -> Trace:
     """A curve."""
     style = {"color": colour, "width": width}
-    return {
-        "type": "scatter",
-        "mode": "lines",
-        "x": x,
-        "y": y,
-        "name": label(name),
-        "line": style,
-        **more,
-    }
+    return {"type": "scatter", "mode": "lines", "x": x, "y": y, "name": label(name), "line": style, **more}
 
 
 def axis(title: str, **more: Any) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from .beside import Beside
 from .chart import BENCH, MODELS, Chart, Charts, axis, line, noise_band, widths
 from .content import Content, Shown, signal_words
 from .envelope import envelope_rows
-from .markup import Markup, capitalised, section, tag
+from .markup import Markup, capitalised, section, swatch, tag
 
 SHOWN = ("output_position", "current", "motor_torque", "speed", "motor_position", "unexplained_torque")
 MOST = 3  # signals that are drawn
@@ -36,7 +36,8 @@ def compared(content: Content, charts: Charts) -> Markup:
     choice = tag("label", "Recording ", tag("select", *options, id="recording"), class_="choice")
     key = _key(content.labels)
     signals = signals_drawn(content.given)
-    points = max(_FEWEST_POINTS, min(_MOST_POINTS, _BUDGET // (_arrays(content) * len(names) * max(1, len(signals)))))
+    arrays = 2 + 2 * len(content.models)  # of a plot of one recording: time, measurement, and two for each twin
+    points = max(_FEWEST_POINTS, min(_MOST_POINTS, _BUDGET // (arrays * len(names) * max(1, len(signals)))))
     figures = [
         charts.add(_chart(name, content, parts, points, wide=place == 0 and len(signals) != 2))
         for place, name in enumerate(signals)
@@ -55,11 +56,6 @@ def compared(content: Content, charts: Charts) -> Markup:
     )
 
 
-def _arrays(content: Content) -> int:
-    """Number of arrays in a plot of one recording: the time, the measurement, and two for each twin."""
-    return 2 + 2 * len(content.models)
-
-
 def _key(names: Sequence[str]) -> Markup:
     """Legend of the colours; each entry hides and shows its curves."""
     roles = [colour.removeprefix("@") for colour in (BENCH, *MODELS)]
@@ -69,8 +65,7 @@ def _key(names: Sequence[str]) -> Markup:
         )
         for role, name in zip(roles, ("measured", *names), strict=False)
     ]
-    band = tag("span", tag("span", "", class_="swatch band"), "two standard deviations of the sensors' noise")
-    return tag("div", *entries, band, class_="key")
+    return tag("div", *entries, swatch("band", "two standard deviations of the sensors' noise"), class_="key")
 
 
 def signals_drawn(given: Shown) -> list[str]:

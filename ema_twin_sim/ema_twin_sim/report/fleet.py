@@ -106,6 +106,7 @@ def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> st
     changed = [look for look in looks if look.change is not None]
     remarks = [*unit.remarks, *(() if health is None else health.remarks)]
     leading = [look for look in looks if look.life is not None or look.trend is not None]
+    rows = [result_cells(unit, row) for row in unit.rows]
     parts = (
         tag("h1", unit.name),
         tag("p", tag("a", "all units", href="../index.html")),
@@ -129,7 +130,7 @@ def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> st
             items(*(_leads(look) for look in leading)) if leading else tag("p", "No number shows a trend."),
         ),
         section("advice", "Advice", items(*_advice(unit, changed, leading, health))),
-        section("results", "Results", _results(unit)),
+        section("results", "Results", table(RESULT_HEAD, rows, words=(0, 1, 2, 3, 4, 6))),
     )
     return whole_page(unit.name, joined(parts))
 
@@ -202,7 +203,3 @@ def _figure(look: Outlook) -> Markup:
     last = estimate(float(of.values[-1]), float(of.errors[-1]), of.unit)
     words = f"{number_words(look)}: healthy {quantity(look.healthy, of.unit)}, last {last}"
     return tag("figure", tag("figcaption", words), history_chart(look))
-
-
-def _results(unit: Unit) -> Markup:
-    return table(RESULT_HEAD, [result_cells(unit, row) for row in unit.rows], words=(0, 1, 2, 3, 4, 6))

@@ -75,6 +75,11 @@ def bar(share: float, text: str, kind: str = "") -> Markup:
     return tag("span", tag("span", length, class_="room"), tag("span", text, class_="value"), class_="bar")
 
 
+def swatch(role: str, *name: str) -> Markup:
+    """A legend's entry: the colour of a role in the charts, and what it stands for."""
+    return tag("span", tag("span", "", class_=f"swatch {role}"), *name)
+
+
 def capitalised(text: str) -> str:
     """The text with its first letter capitalised, the rest unchanged."""
     return text[:1].upper() + text[1:]

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from ema_bench_replay.outputs import write_text
-
 from .chart import Charts
 from .compared import compared
 from .content import Content
@@ -16,11 +12,6 @@ from .steps import steps
 from .summary import head, verdict
 from .where import where
 from .whole_page import whole_page
-
-
-def write_report(path: Path, content: Content, *, force: bool = False) -> None:
-    """Write the report. Raises InputError if the file exists (without ``force``) or cannot be written."""
-    write_text(path, page(content), force=force)
 
 
 def page(content: Content) -> str:

@@ -21,7 +21,7 @@ from ..words.sentences import (
 from .backwards import searched_model
 from .chart import AFTER, BEFORE, RIVAL, Chart, Charts, Trace, axis, line
 from .content import Content
-from .markup import Markup, bar, capitalised, section, table, tag
+from .markup import Markup, bar, capitalised, section, swatch, table, tag
 
 REFUSED = "closest to the remaining error, but not added: it explains too little"
 """Caption of the signature of an effect that the search tried last and did not add."""
@@ -48,14 +48,8 @@ def diagnosis(content: Content, charts: Charts) -> Markup:
     parts.append(_tried(findings))
     figures = [charts.add(signature_chart(signature)) for signature in told_signatures(findings)]
     if figures:
-        key = tag(
-            "p",
-            *(
-                tag("span", tag("span", "", class_=f"swatch {role}"), said)
-                for role, said in (("before", "without it"), ("after", "with it"), ("rival", "with the runner-up"))
-            ),
-            class_="key",
-        )
+        said = {"before": "without it", "after": "with it", "rival": "with the runner-up"}
+        key = tag("p", *(swatch(role, name) for role, name in said.items()), class_="key")
         parts += [tag("h3", "The signature that each effect explains"), key, tag("div", *figures, class_="grid")]
     return section("diagnosis", title, *parts)
 
@@ -146,7 +140,7 @@ def signature_chart(signature: Signature) -> Chart:
     roles = dict(zip(CURVES, (BEFORE, AFTER, RIVAL), strict=True))
     names = "without it", f"with {_plain(signature.title)}", f"with {_plain(signature.runner_up)}"
     said = dict(zip(CURVES, names, strict=True))
-    dashes = {"both": "solid", "forward": "solid", "backward": "dot"}
+    dashes = {"backward": "dot"}
     traces: list[Trace] = []
     for curve in signature.curves:
         x, (lower, median, upper) = (
@@ -158,16 +152,11 @@ def signature_chart(signature: Signature) -> Chart:
         if curve["name"] != "runner_up":
             traces.append(line(x, lower, name, role, width=0.0, **edge))
             traces.append(line(x, upper, name, role, width=0.0, fill="tonexty", fillcolor=f"{role}-faint", **edge))
-        traces.append(
-            line(
-                x,
-                median,
-                name,
-                role,
-                width=1.5 if curve["name"] == "runner_up" else 2.5,
-                dash=dashes.get(curve["direction"], "solid"),
-            )
-        )
+        style: dict[str, Any] = {
+            "width": 1.5 if curve["name"] == "runner_up" else 2.5,
+            "dash": dashes.get(curve["direction"], "solid"),
+        }
+        traces.append(line(x, median, name, role, **style))
     against = signature.against.replace("_", " ") + (
         f", folded at order {signature.order:g}" if signature.order is not None else ""
     )

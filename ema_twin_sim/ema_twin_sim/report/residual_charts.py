@@ -17,29 +17,13 @@ from .chart import FAINT, MODELS, Chart, Trace, axis, label, line, log_axis, noi
 from .content import Shown, signal_words
 
 _BINS = 30
-
-
 _FEWEST = 5  # minimum number of samples of a bin
-
-
 _BANDS = 240  # number of bands of a spectrum
-
-
 _LEAST_SHOWN = 10.0  # orders that a spectrum shows at least
-
-
 _BEYOND = 1.6  # highest order shown, times the highest that the model names
-
-
 _NEAR = 0.03  # orders; a peak this near to a named order is that order's
-
-
 _APART = 0.09  # decades; numbers above a spectrum that are nearer are put together
-
-
 _HEIGHT = 300  # pixels
-
-
 _SYMBOLS = dict(zip(MODELS, ("circle", "square", "diamond"), strict=True))
 
 

@@ -49,15 +49,8 @@ def steps(content: Content, charts: Charts) -> Markup:
             )
             for step in findings.steps
         ]
-        head = (
-            "step",
-            "RMSE before",
-            "RMSE after",
-            "excess removed",
-            "output before",
-            "output after",
-            "runner-up, or reason",
-        )
+        errors = ("RMSE before", "RMSE after", "excess removed", "output before", "output after")
+        head = ("step", *errors, "runner-up, or reason")
         parts.append(table(head, [*_refit(findings), *rows], words=(0, 6)))
         if grew := larger_sentence(findings.steps):
             parts.append(tag("p", grew, class_="aside"))

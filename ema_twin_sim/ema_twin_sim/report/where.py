@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from ..comparison.beyond_noise import is_noise
 from ..comparison.where import FEWEST_SAMPLES
 from ..quantities import quantity
 from .chart import MODELS, Charts
 from .content import Content, Shown, signal_words, signals_listed
-from .markup import Markup, capitalised, items, joined, section, table, tag
+from .markup import Markup, capitalised, items, joined, section, swatch, table, tag
 from .residual_charts import failures, named_orders
 
 
@@ -28,7 +28,7 @@ def where(content: Content, charts: Charts) -> Markup:
         return section("where", "Where the models fail", tag("p", f"This needs {takes}."))
     key = tag(
         "p",
-        *_swatches(content.labels),
+        *(swatch(colour.removeprefix("@"), name) for colour, name in zip(MODELS, content.labels, strict=False)),
         "Line: median; shaded: between the quartiles; grey: two standard deviations of the sensors' noise.",
         class_="key",
     )
@@ -54,13 +54,6 @@ def _orders_table(content: Content, amplitudes: Mapping[str, list[list[str]]]) -
     return tag(
         "details", tag("summary", "The machine's own orders, by their numbers above the spectra"), whole, open=""
     )
-
-
-def _swatches(names: Sequence[str]) -> list[Markup]:
-    return [
-        tag("span", tag("span", "", class_=f"swatch {colour.removeprefix('@')}"), name)
-        for colour, name in zip(MODELS, names, strict=False)
-    ]
 
 
 def sentences(given: Shown) -> list[str]:

@@ -18,6 +18,7 @@ from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMa
 
 from ..comparison.running_comparison import UNITS
 from .palette import AFTER, BEFORE, MEASURED, Colour
+from .recording_views import layout
 from .rerun_view import live_blueprint
 from .stream import APPLICATION, LIVE_APPLICATION
 
@@ -31,17 +32,12 @@ _MORE = ("voltage", "unexplained_torque", "motor_position")
 def bag_blueprint() -> rrb.Blueprint:
     """The signals of an MCAP that ``import``, ``simulate`` or ``live --record`` wrote, by name and unit."""
     units = {**UNITS, "voltage": "V"}
-    return rrb.Blueprint(
-        rrb.Tabs(
-            rrb.Vertical(*(_signal(name, units[name]) for name in _SIGNALS), name="bench and twin"),
-            rrb.Vertical(*(_residual(name, units[name]) for name in _SIGNALS), name="residuals"),
-            rrb.Vertical(*(_signal(name, units[name]) for name in _MORE), name="more signals"),
-            active_tab=0,
-        ),
-        rrb.TimePanel(state="collapsed", timeline=_TIMELINE),
-        auto_views=False,
-        collapse_panels=True,
+    tabs = (
+        rrb.Vertical(*(_signal(name, units[name]) for name in _SIGNALS), name="bench and twin"),
+        rrb.Vertical(*(_residual(name, units[name]) for name in _SIGNALS), name="residuals"),
+        rrb.Vertical(*(_signal(name, units[name]) for name in _MORE), name="more signals"),
     )
+    return layout(tabs, _TIMELINE)
 
 
 def _signal(name: str, unit: str) -> rrb.TimeSeriesView:

@@ -16,10 +16,9 @@ from ..report.content import Shown, signal_words
 from ..report.steps import falling
 from ..words.findings import Findings
 from ..words.sentences import effect_words
-from .beside_curves import colour_of
 from .drawn_bars import Bar, bars_view, draw_bars
 from .drawn_chart import draw
-from .palette import AFTER
+from .palette import AFTER, MODELS
 from .sheet import Sheet, linear_axis, log_axis, named_axis, sheet_view
 
 ROOT = "after"
@@ -48,7 +47,7 @@ def _errors(given: Shown, names: Sequence[str]) -> list[Bar]:
                 times = error["rmse"] / error["noise_floor"]
                 text = f"{quantity(error['rmse'], error['unit'])}, {times:.3g} × noise"
                 label = signal_words(name) if number == len(names) // 2 else ""
-                bars.append(Bar(f"{signal_words(name)}, {model}", times, text, colour_of(number), label=label))
+                bars.append(Bar(f"{signal_words(name)}, {model}", times, text, MODELS[number], label=label))
     return bars
 
 

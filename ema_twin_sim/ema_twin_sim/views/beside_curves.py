@@ -12,7 +12,7 @@ from ..quantities import axis_unit
 from ..report.beside import Beside, Curves
 from ..report.compared import abscissa, signals_drawn
 from ..report.content import Shown, signal_words
-from .palette import MEASURED, MODELS, QUIET, Colour
+from .palette import MEASURED, MODELS, QUIET
 from .stream import path_of, send, send_level, style
 
 ROOT = "compare"
@@ -129,8 +129,3 @@ def signal_column(
         rrb.TimeSeriesView(origin=f"{at}/residual", name=below, axis_x=together, axis_y=of_residual, plot_legend=key),
         name=tab,
     )
-
-
-def colour_of(model: int) -> Colour:
-    """The colour of a model by its number; the earliest is 0."""
-    return MODELS[model]

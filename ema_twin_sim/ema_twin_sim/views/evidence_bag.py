@@ -12,13 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from mcap.opcode import Opcode
 
 from ema_bench_replay.bags.bag_metadata import JOINTS_QOS
-from ema_bench_replay.bags.bag_writer import JOINTS_TYPE
-from ema_bench_replay.bags.cdr import layout_of, parse, serialise
-from ema_bench_replay.bags.definitions import message_definition
-from ema_bench_replay.bags.mcap_file import MESSAGE_PREFIX, PREFIX_UNCOUNTED, McapFile, Messages
+from ema_bench_replay.bags.bag_writer import JOINTS_TYPE, Encoder, chunks, encoder_of
+from ema_bench_replay.bags.mcap_file import McapFile
 from ema_bench_replay.outputs import new_file
 from ema_bench_replay.recording import Recording
 
@@ -27,8 +24,6 @@ from ..discovery.evidence import Compared, compared_fits
 from ..measured.folds import HALF_OF
 from ..model.own_units import shown
 from ..plant.measured_motion import MOTOR_ANGLE, SPEED
-
-_CHUNK = 1_000_000_000  # ns
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,8 +54,7 @@ def write_evidence(found: Discovery, recordings: Sequence[Recording], path: Path
     with new_file(path, force=force) as stream:
         file = McapFile(stream)
         file.add_metadata("ema_twin_evidence", {"verdict": found.verdict, "added": " ".join(found.added)})
-        channels = [(_records(file, topic), topic) for topic in topics]
-        for chunk in _chunks(channels):
+        for chunk in chunks([_records(file, topic) for topic in topics]):
             file.add_chunk(chunk)
         file.finish()
     return [topic.name for topic in topics]
@@ -145,35 +139,9 @@ def _name(text: str) -> str:
     return re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_")
 
 
-def _records(file: McapFile, topic: _Topic) -> tuple[int, np.ndarray]:
-    """The channel of a topic, and its message records (n,), all made at once."""
-    definition = message_definition(JOINTS_TYPE)
-    channel = file.add_channel(topic.name, JOINTS_TYPE, definition.text, JOINTS_QOS, definition.type_hash)
-    types, root = parse(definition.text, JOINTS_TYPE)
-    message = serialise(types, root, {"name": list(topic.series), topic.field: [0.0] * len(topic.series)})
-    dtype = np.dtype([("prefix", MESSAGE_PREFIX), ("message", layout_of(types, root, message).dtype)])
-    prefix = np.zeros(1, MESSAGE_PREFIX)
-    prefix["opcode"] = Opcode.MESSAGE
-    prefix["length"] = dtype.itemsize - PREFIX_UNCOUNTED
-    prefix["channel"] = channel
-    records = np.frombuffer(bytearray(prefix.tobytes() + message) * len(topic.stamps), dtype)
-    records["prefix"]["log_time"] = records["prefix"]["publish_time"] = topic.stamps
-    records["prefix"]["sequence"] = np.arange(len(topic.stamps))
-    seconds, rest = np.divmod(topic.stamps, 1_000_000_000)
-    records["message"]["header.stamp.sec"], records["message"]["header.stamp.nanosec"] = seconds, rest
-    records["message"][topic.field] = np.column_stack(list(topic.series.values()))
-    return channel, records
-
-
-def _chunks(channels: Sequence[tuple[tuple[int, np.ndarray], _Topic]]) -> Iterator[list[Messages]]:
-    """All records, one chunk for every second that has any."""
-    seconds = np.unique(np.concatenate([topic.stamps // _CHUNK for _, topic in channels] or [np.zeros(0, np.int64)]))
-    for second in seconds:
-        chunk = []
-        for (channel, records), topic in channels:
-            low, high = np.searchsorted(topic.stamps, (second * _CHUNK, (second + 1) * _CHUNK))
-            if low < high:
-                part = records[low:high]
-                offsets = np.arange(high - low) * records.dtype.itemsize
-                chunk.append(Messages(channel, topic.stamps[low:high].astype(np.uint64), offsets, part.tobytes()))
-        yield chunk
+def _records(file: McapFile, topic: _Topic) -> tuple[Encoder, np.ndarray]:
+    """The message records (n,) of a topic, which is added to the file."""
+    example = {"name": list(topic.series), topic.field: [0.0] * len(topic.series)}
+    encoder = encoder_of(file, topic.name, JOINTS_TYPE, JOINTS_QOS, example)
+    columns = {topic.field: np.column_stack(list(topic.series.values()))}
+    return encoder, encoder.encode(topic.stamps, np.arange(len(topic.stamps)), columns)

@@ -85,14 +85,7 @@ def failing_tab(found: Sequence[Failures], models: int) -> rrb.Container:
     tabs = []
     for each in found:
         at, words = f"{ROOT}/{each.signal}", signal_words(each.signal)
-        views = [
-            sheet_view(f"{at}/{place}", f"{words} against {against}")
-            for place, against in (
-                ("speed", "speed"),
-                ("output_position", "position"),
-                ("direction", "direction"),
-            )
-        ]
+        views = [sheet_view(f"{at}/{place}", f"{words} against {place.removeprefix('output_')}") for place in _PLACES]
         if each.orders is not None:
             views.append(sheet_view(f"{at}/order", f"{words} against order"))
         told = rrb.TextDocumentView(origin=f"{at}/told", name="in words")

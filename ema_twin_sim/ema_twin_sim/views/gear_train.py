@@ -26,6 +26,8 @@ _TORQUES = (
     ("output_ring", "on the output ring", (90, 208, 122)),
 )
 _TURN = 2.0 * math.pi
+_WAYS = [_TURN * k / PLANETS for k in range(PLANETS)]
+"""Directions [rad] of the planets, seen from the centre, at the start."""
 _EYE = (0.44, -0.84, 0.80)
 """Position of the camera, in diameters of the fixed ring."""
 _RIGHT = (0.886, 0.464)
@@ -54,7 +56,7 @@ def log_train(stream: rr.RecordingStream, gearing: Gearing) -> None:
 
 def _parts(meshes: dict[str, WheelMesh]) -> dict[str, WheelMesh]:
     """The mesh of every wheel, by its entity."""
-    found = {"sun": meshes["sun"], "fixed_ring": meshes["fixed_ring"], "output_ring": meshes["output_ring"]}
+    found = {name: meshes[name] for name in ("sun", "fixed_ring", "output_ring")}
     for k in range(PLANETS):
         found[f"planet_{k + 1}"] = meshes["planet"]
         found[f"second_planet_{k + 1}"] = meshes["second_planet"]
@@ -65,7 +67,7 @@ def _log_carrier(stream: rr.RecordingStream, gearing: Gearing) -> None:
     """Send the carrier: three arms in front of the first stage, and the planets' shafts through both stages."""
     stage = _APART * gearing.face_width
     near = 0.85 * gearing.face_width
-    pins = [gearing.centre_distance * np.array([math.cos(a), math.sin(a), 0.0]) for a in _places(0.0)]
+    pins = [gearing.centre_distance * np.array([math.cos(a), math.sin(a), 0.0]) for a in _WAYS]
     arms = [[[0.0, 0.0, near], [*pin[:2], near]] for pin in pins]
     shafts = [[[*pin[:2], near], [*pin[:2], -stage - 0.6 * gearing.face_width]] for pin in pins]
     arm = 0.16 * gearing.planet_radius
@@ -118,18 +120,13 @@ def send_motion(
     turn("fixed_ring", ring + still, on_ring)
     turn("output_ring", output + motion.output, on_output, z=stage)
     turn("carrier", motion.carrier, None)
-    for k, start in enumerate(_places(0.0)):
+    for k, start in enumerate(_WAYS):
         way = start + motion.carrier
         at = gearing.centre_distance * np.column_stack([np.cos(way), np.sin(way)])
         turn(f"planet_{k + 1}", planets[k] + motion.planets[:, k], on_ring, at)
         turn(f"second_planet_{k + 1}", seconds[k] + motion.planets[:, k], on_output, at, stage)
     for (name, _, _), torque in zip(_TORQUES, (motion.on_sun, motion.on_ring, motion.on_output), strict=True):
         send(stream, f"{ROOT}/torque/{name}", motion.time, torque)
-
-
-def _places(carrier: float) -> list[float]:
-    """Directions [rad] of the planets, seen from the centre."""
-    return [carrier + _TURN * k / PLANETS for k in range(PLANETS)]
 
 
 def starting_angles(gearing: Gearing) -> tuple[float, list[float], list[float], float, float]:
@@ -139,9 +136,9 @@ def starting_angles(gearing: Gearing) -> tuple[float, list[float], list[float], 
     directions mesh if their phases add up to a half; wheels that turn in the same direction, if they differ by a half.
     """
     g = gearing
-    planets = [way + math.pi - (0.5 - g.sun_teeth * way / _TURN) * _TURN / g.planet_teeth for way in _places(0.0)]
+    planets = [way + math.pi - (0.5 - g.sun_teeth * way / _TURN) * _TURN / g.planet_teeth for way in _WAYS]
     ring = (0.5 + g.planet_teeth * planets[0] / _TURN) * _TURN / g.ring_teeth
-    seconds = [way - (0.5 + g.output_ring_teeth * way / _TURN) * _TURN / g.second_planet_teeth for way in _places(0.0)]
+    seconds = [way - (0.5 + g.output_ring_teeth * way / _TURN) * _TURN / g.second_planet_teeth for way in _WAYS]
     return 0.0, planets, seconds, ring, 0.0
 
 

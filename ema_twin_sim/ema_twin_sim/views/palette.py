@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 Colour = tuple[int, int, int]
 
 GROUND: Colour = (13, 16, 17)
@@ -36,9 +34,9 @@ NAMED = {
 _DIM = 0.28  # opacity of a colour behind others
 
 
-def dimmed(colour: Sequence[int], share: float = _DIM) -> Colour:
+def dimmed(colour: Colour) -> Colour:
     """A colour blended with the background."""
-    red, green, blue = (round(g + share * (c - g)) for c, g in zip(colour, GROUND, strict=True))
+    red, green, blue = (round(g + _DIM * (c - g)) for c, g in zip(colour, GROUND, strict=True))
     return red, green, blue
 
 

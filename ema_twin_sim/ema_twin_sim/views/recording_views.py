@@ -64,11 +64,11 @@ def write_views(
     return [str(tab.name) for tab in tabs]
 
 
-def layout(tabs: Sequence[rrb.Container], active: int = 0) -> rrb.Blueprint:
+def layout(tabs: Sequence[rrb.Container], timeline: str = TIMELINE) -> rrb.Blueprint:
     """Tabs over the whole window, with the panels around them closed, and time as it was recorded."""
     return rrb.Blueprint(
-        rrb.Tabs(*tabs, active_tab=active),
-        rrb.TimePanel(state="collapsed", timeline=TIMELINE),
+        rrb.Tabs(*tabs, active_tab=0),
+        rrb.TimePanel(state="collapsed", timeline=timeline),
         auto_views=False,
         collapse_panels=True,
     )

@@ -37,15 +37,9 @@ def write_unit_history(
         views = [rrb.TimeSeriesView(origin=path_of(_ROOT, look.history.path), name=_title(look)) for look in looks]
         tabs.append(rrb.Grid(*views, name="numbers"))
     if runs:
-        origins = ["distance", *names]
-        words = [
-            "distance (1 = limit)",
-            *(f"{name.replace('_', ' ')} [standard deviations]" for name in names),
-        ]
-        views = [
-            rrb.TimeSeriesView(origin=path_of(_HEALTH, origin), name=word)
-            for origin, word in zip(origins, words, strict=True)
-        ]
+        words = {name: f"{name.replace('_', ' ')} [standard deviations]" for name in names}
+        words = {"distance": "distance (1 = limit)", **words}
+        views = [rrb.TimeSeriesView(origin=path_of(_HEALTH, of), name=word) for of, word in words.items()]
         tabs.append(rrb.Grid(*views, name="health"))
     with new_rrd(path, layout(tabs), force=force) as stream:
         for look in looks:

@@ -118,10 +118,7 @@ def _read(content: Mapping[str, Any]) -> Findings:
         number(content["unknown"]) if ranking else None,
         tuple(_step(step) for step in content.get("steps", ())),
         {str(name): checked_entry(entry) for name, entry in content.get("parameters", {}).items()},
-        {
-            str(part): {str(name): checked(held) for name, held in entries.items()}
-            for part, entries in content.get("constants", {}).items()
-        },
+        {str(part): checked_numbers(entries) for part, entries in content.get("constants", {}).items()},
         tuple(_words(group) for group in content["groups"]),
         _words(content["depends_on"]),
         str(content["next_recording"]),
@@ -156,17 +153,21 @@ def _words(values: Sequence[Any]) -> tuple[str, ...]:
     return tuple(str(value) for value in values)
 
 
-def checked(held: Held) -> dict[str, Any]:
-    """``{value, std, unit}`` from a file. Raises KeyError or ValueError if it is not that."""
+def checked_numbers(numbers: Mapping[str, Held]) -> dict[str, Any]:
+    """``{value, std, unit}`` by name from a file. Raises KeyError or ValueError if it is not that."""
+    return {str(name): _checked(held) for name, held in numbers.items()}
+
+
+def _checked(held: Held) -> dict[str, Any]:
     numbers = {"value": number(held["value"]), "std": _perhaps(held["std"])}
     nominal = {"nominal": number(held["nominal"])} if "nominal" in held else {}
     return {**numbers, "unit": str(held["unit"]), **nominal}
 
 
 def checked_entry(entry: Mapping[str, Any]) -> dict[str, Any]:
-    """An effect from a file: its id, its options, and each of its numbers ``checked``."""
+    """An effect from a file: its id, its options, and its numbers."""
     head = {"effect": str(entry["effect"]), "options": _options(entry["options"])}
-    return head | {str(name): checked(held) for name, held in entry.items() if name not in head}
+    return head | checked_numbers({name: held for name, held in entry.items() if name not in head})
 
 
 def _options(options: Mapping[str, Any]) -> dict[str, str]:
@@ -179,7 +180,7 @@ def _ranked(entry: Mapping[str, Any]) -> Ranked:
         _options(entry["options"]),
         number(entry["probability"]),
         _perhaps(entry["error_removed"]),
-        {str(name): checked(held) for name, held in entry["parameters"].items()},
+        checked_numbers(entry["parameters"]),
         bool(entry["found"]),
     )
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ema_bench_replay.errors import InputError
 
-from .findings import Held, checked, checked_entry, number
+from .findings import Held, checked_entry, checked_numbers, number
 
 if TYPE_CHECKING:
     from ..fitting.fit import FitResult
@@ -47,10 +47,7 @@ def _read(content: Mapping[str, Any]) -> FitFindings:
     errors = content["rmse"]
     return FitFindings(
         {str(name): checked_entry(entry) for name, entry in content["parameters"].items()},
-        {
-            str(part): {str(name): checked(held) for name, held in entries.items()}
-            for part, entries in content["constants"].items()
-        },
+        {str(part): checked_numbers(entries) for part, entries in content["constants"].items()},
         {str(name): number(error["before"]) for name, error in errors.items()},
         {str(name): number(error["after"]) for name, error in errors.items()},
         str(content["judged_on"]),
