@@ -59,6 +59,14 @@ def test_the_true_effect_stands(effect, parameters, stock):
     assert standing(recordings, stock, effect, parameters) == (effect,)
 
 
+@pytest.mark.parametrize("stiffness", [0.04, 0.4])
+def test_a_likeness_whose_remainder_depends_on_its_own_quantity_does_not_stand(stiffness, stock):
+    """Gravity explains 99 % of a spring. What it leaves, below the sensors' noise or above, depends on position."""
+    sprung = stock.with_effect("spring_load", {"stiffness": stiffness})
+    recordings = record(sprung, ("ramp:0.1", "triangle:0.06:20"), 15.0)
+    assert standing(recordings, stock, "gravity_load", {"torque": stiffness, "angle": 0.1}) == ()
+
+
 def test_a_bump_of_friction_is_not_stribecks(stock):
     """Friction that is more around one speed in the middle, and neither at rest nor fast."""
     bumped = with_friction(record(stock, RUNS), stock, lambda speed: 0.08 * np.exp(-((speed - 4.0) ** 2)))

@@ -54,7 +54,7 @@ def lagged_line(value, input_before, input_now, interval, time_constant):
 
 @njit(error_model="numpy")
 def unbalanced_torque(driving, speed, viscous, dry, break_away, standstill):
-    """Torque [N m] left by friction to accelerate the measured motion, before filtering; below ``standstill`` at rest."""
+    """Torque [N m] left by friction to accelerate the measured motion, before filtering; held below ``standstill``."""
     torque = driving - viscous * speed
     if math.fabs(speed) < standstill:
         return held_by_dry_friction(torque, break_away)

@@ -1,6 +1,7 @@
 """By its own shape or as the likeness of another: the rules, on fits that are given by hand."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -43,13 +44,14 @@ class TestOwnShape:
 
     def stands(
         self, monkeypatch, stock, effect, alone, any_shape, both, bases=None, columns=6, model=None, prior=0.0,
-        chance=0.0, nothing=1000.0,
+        chance=0.0, left=500.0, wander="as it does on most machines",
     ):  # fmt: skip
         h = a_hypothesis(model or stock, effect)
         (name,) = h.added
         over = own_shape.catalogue()[effect].depends_on
+        numbers = len(h.free) - len(h.without(name).free)
+        nothing = ROWS + SCALE * (alone + 2.0 * numbers + left)
         bare = a_torque_fit(h.without(name), 0.0, nothing, prior)
-        numbers = len(h.free) - len(bare.hypothesis.free)
         hidden = 1 if over == "order" else 0
         f = a_torque_fit(h, alone + 2.0 * numbers, nothing)
         with_basis = {
@@ -63,6 +65,7 @@ class TestOwnShape:
         bases = {f"{over}#0": np.ones((ROWS, columns))} if bases is None else bases
         problem = a_problem(ROWS)
         problem.generic_bases = bases
+        problem.weighting = SimpleNamespace(wander=wander)
         given = {}
         problem.with_generic_bases = lambda shapes: given.update(shapes) or problem
         monkeypatch.setattr(own_shape, "fit", lambda problem, h, *_, known=None: bare)
@@ -87,10 +90,24 @@ class TestOwnShape:
 
     def test_or_that_shape_must_explain_hardly_any_of_what_it_leaves(self, stock, monkeypatch):
         """The effect explains 1000 and leaves ten times as much; beside it the shape explains so much of that."""
-        nothing = ROWS + SCALE * (1000.0 + 2.0 * 2.0 + 10000.0)
         for share, stands in ((0.98, True), (1.02, False)):
             both = 1000.0 + share * (1.0 - NEARLY_ALL) * 10000.0
-            held = self.stands(monkeypatch, stock, "stribeck_friction", 1000.0, 5000.0, both, nothing=nothing)
+            held = self.stands(monkeypatch, stock, "stribeck_friction", 1000.0, 5000.0, both, left=10000.0)
+            assert held == stands
+
+    def test_what_it_leaves_must_not_depend_on_its_own_quantity_alone(self, stock, monkeypatch):
+        """It explains nearly all that any shape does, which explains so much of what is left; not so for an order."""
+        for effect in ("gravity_load", "cogging"):
+            for share, stands in ((0.98, True), (1.02, effect == "cogging")):
+                both = 10000.0 + share * MOSTLY * 200.0
+                assert self.stands(monkeypatch, stock, effect, 10000.0, 10100.0, both, left=200.0) == stands
+
+    def test_nor_depend_on_it_where_only_noise_is_left_and_friction_does_not_wander(self, stock, monkeypatch):
+        little = 0.9 * (MISFIT_LEFT - 1.0) * ROWS / SCALE
+        for more, wander, stands in (
+            (0.9 * DEPENDS, None, True), (1.1 * DEPENDS, None, False), (0.7 * little, "it does", True),
+        ):  # fmt: skip
+            held = self.stands(monkeypatch, stock, "gravity_load", 1e4, 1e4, 1e4 + more, left=little, wander=wander)
             assert held == stands
 
     def test_or_most_of_what_it_does_beside_that_shape(self, stock, monkeypatch):

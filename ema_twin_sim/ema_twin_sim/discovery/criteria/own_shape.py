@@ -138,11 +138,14 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     lacked = is_lacked(f.hypothesis, effect.id)
     both = fit_with_basis(beside, f, best)
     further = _gained(f, both, scale) - chance  # what any shape explains of that which the effect leaves
+    left = (f.misfits[0] - problem.size) / scale
     if gained >= (MOSTLY if lacked else NEARLY_ALL) * (_gained(bare, any_shape, scale) - chance):
-        return lacked or over in ("order", "load") or further <= DEPENDS or not follows_laws(problem, f)
+        if lacked or over in ("order", "load") or further <= DEPENDS:
+            return True
+        # what is left has the effect's own quantity, and nothing else, to depend on: then the shape is wrong
+        return not follows_laws(problem, f) and further < MOSTLY * left
     # what is unknown depends on something else if this quantity explains hardly any of what the effect leaves; the
     # basis of one order says nothing about another
-    left = (f.misfits[0] - problem.size) / scale
     if over != "order" and further <= (1.0 - NEARLY_ALL) * left:
         return True
     # if it explains as much with that shape as alone, it does not imitate it: both are there
