@@ -115,15 +115,15 @@ def held_out(problem: EquationErrorProblem, f: Fit) -> list[np.ndarray]:
     _, pj = prior_rows(f.hypothesis)
     root_inflation = np.sqrt(f.row_variance_inflations)
     jacobian, residual_here = f.jacobian / root_inflation[:, None], f.residual / root_inflation
+    # The tooth contact is no finding, and linearising through impacts is unreliable: keep the value from all
+    # recordings, as that of what is held. Nothing else may move as if these made up for it.
+    jacobian[:, [free.path.startswith("contact.") or free.lower == free.upper for free in f.hypothesis.free]] = 0.0
     information = jacobian.T @ jacobian + pj.T @ pj
     lower, upper = problem.bounds(f.hypothesis)
-    # The tooth contact is no finding, and linearising through impacts is unreliable: keep the value from all
-    # recordings.
-    moving = np.array([not free.path.startswith("contact.") for free in f.hypothesis.free])
     found = []
     for t, e in zip(problem.torque_parts, problem.encoder_parts, strict=True):
         rows = np.r_[t, e]
-        step = move_without(information, jacobian[rows], residual_here[rows]) * moving
+        step = move_without(information, jacobian[rows], residual_here[rows])
         others = np.ones(problem.rows, bool)
         others[rows] = False
         # A first-order step may be far too long if one recording dominates: use the fraction that is best for the
