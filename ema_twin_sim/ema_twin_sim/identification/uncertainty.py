@@ -35,10 +35,10 @@ def covariance(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
 
     White-noise least squares is far too optimistic because the residual is not white. How far each recording pulls the
     parameters shows how uncertain they are. Open friction that ended at zero would go on to negative values: it has its
-    own variance, and the others are as sure as without it.
+    own variance, and the others are as sure as without it. So are they beside what is held without a prior.
     """
     free = _covariance(problem, f, np.zeros(0, int))
-    ended = _at_zero(f)
+    ended = _not_moving(f)
     if not len(ended):
         return free
     held = _covariance(problem, f, ended)
@@ -46,13 +46,15 @@ def covariance(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
     return held
 
 
-def _at_zero(f: Fit) -> np.ndarray:
-    """Indices of open friction that ended at zero."""
+def _not_moving(f: Fit) -> np.ndarray:
+    """Indices of what is held without a prior, and of open friction that ended at zero."""
     return np.array(
         [
             k
             for k, (free, value) in enumerate(zip(f.hypothesis.free, f.hypothesis.values, strict=True))
-            if free.prior is None and free.lower == value == 0.0 and free.path.removeprefix("scale.") in FRICTION
+            if free.prior is None
+            and free.lower == value
+            and (free.upper == value or (value == 0.0 and free.path.removeprefix("scale.") in FRICTION))
         ],
         int,
     )
