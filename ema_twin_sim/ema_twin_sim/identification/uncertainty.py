@@ -10,8 +10,9 @@ import numpy as np
 from ..model.roles import FRICTION
 from .equation import EquationErrorProblem
 from .fit import Fit, prior_rows
+from .hypothesis import Hypothesis
 
-STEP_SHARES = (1.0, 0.5, 0.2, 0.0)
+STEP_SHARES = (1.0, 0.5, 0.2)
 RIDGE = 1e-9  # for parameters of which some have no prior
 BLOCKS = 6  # fewest blocks to compare; recordings are split if there are fewer
 LEAST_ELSEWHERE = 1e-3  # smallest share of the information about a direction that must come from other blocks
@@ -112,17 +113,28 @@ def disagreement(jacobian: np.ndarray, residual: np.ndarray, priors: np.ndarray,
     return found
 
 
-def held_out(problem: EquationErrorProblem, f: Fit) -> list[np.ndarray]:
-    """Parameters (k,) to judge each recording by: fitted, to first order, to all other recordings."""
-    _, pj = prior_rows(f.hypothesis)
+def held_out(problem: EquationErrorProblem, f: Fit) -> tuple[list[np.ndarray], np.ndarray]:
+    """Parameters (k,) to judge each recording by, and the residual (m,) that they leave in it.
+
+    They are fitted, to first order, to all other recordings; if there is no other, they are those of the fit.
+    """
+    h, left = f.hypothesis, problem.residual(problem.predict(f.hypothesis, side_by_side=True))
+    if len(problem.observations) == 1:
+        return [h.values], left
+    _, pj = prior_rows(h)
     root_inflation = np.sqrt(f.row_variance_inflations)
     jacobian, residual_here = f.jacobian / root_inflation[:, None], f.residual / root_inflation
     # The tooth contact is no finding, and linearising through impacts is unreliable: keep the value from all
     # recordings, as that of what is held. Nothing else may move as if these made up for it.
-    jacobian[:, [free.path.startswith("contact.") or free.lower == free.upper for free in f.hypothesis.free]] = 0.0
+    jacobian[:, [free.path.startswith("contact.") or free.lower == free.upper for free in h.free]] = 0.0
     information = jacobian.T @ jacobian + pj.T @ pj
-    lower, upper = problem.bounds(f.hypothesis)
-    found = []
+    lower, upper = problem.bounds(h)
+
+    def cost(trial: Hypothesis, residual: np.ndarray, others: np.ndarray) -> float:
+        pr, _ = prior_rows(trial)
+        return float((problem.costs(residual) / root_inflation**2)[others].sum()) + float(pr @ pr)
+
+    unmoved, found = left.copy(), []
     for t, e in zip(problem.torque_parts, problem.encoder_parts, strict=True):
         rows = np.r_[t, e]
         step = move_without(information, jacobian[rows], residual_here[rows])
@@ -130,17 +142,14 @@ def held_out(problem: EquationErrorProblem, f: Fit) -> list[np.ndarray]:
         others[rows] = False
         # A first-order step may be far too long if one recording dominates: use the fraction that is best for the
         # others.
-        best, least = f.hypothesis.values, np.inf
+        best, least = h, cost(h, unmoved, others)
         for share in STEP_SHARES:
-            values = np.clip(f.hypothesis.values + share * step, lower, upper)
-            trial = f.hypothesis.at(values)
+            trial = h.at(np.clip(h.values + share * step, lower, upper))
             residual = problem.residual(problem.predict(trial, side_by_side=True))
-            pr, _ = prior_rows(trial)
-            cost = float((problem.costs(residual) / root_inflation**2)[others].sum()) + float(pr @ pr)
-            if cost < least:
-                best, least = values, cost
-        found.append(best)
-    return found
+            if (now := cost(trial, residual, others)) < least:
+                best, least, left[rows] = trial, now, residual[rows]
+        found.append(best.values)
+    return found, left
 
 
 def move_without(information: np.ndarray, slopes: np.ndarray, residual: np.ndarray, ridge: float = RIDGE) -> np.ndarray:
