@@ -138,7 +138,7 @@ def fit_model(
             )
         fix = (*fix, *not_by_encoders(model, free))
     freedom = choose_numbers(model, free, fix)
-    misfit, solution, loosened = _solution(recordings, sources, method, freedom, progress)
+    misfit, solution, sure, loosened = _solution(recordings, sources, method, freedom, progress)
     progress("judging on held-out data")
     as_given, own_before = in_si(model), None
     if model.is_open:
@@ -146,7 +146,6 @@ def fit_model(
             as_given, own_before = as_filed, errors_of(as_filed, rotary, sources, noise)
     own_before = own_before or errors_of(as_given, rotary, sources, noise)
     before, after, judged_on = judge(rotary, sources, as_given, own_before, misfit, solution, noise)
-    sure = uncertainty(misfit, solution)
     untold = not_given(solution, method)
     values = solution.values[: len(freedom.numbers)].copy()
     values[untold] = freedom.start[untold]
@@ -189,8 +188,8 @@ def fit_model(
 
 def _solution(
     recordings: Sequence[Recording], sources: Sequence[str], method: str, freedom: FreeParameters, progress: Progress
-) -> tuple[Misfit, Solution, list[int]]:
-    """The misfit, its best solution, and the parameters whose priors the recordings contradict.
+) -> tuple[Misfit, Solution, Uncertainty, list[int]]:
+    """The misfit, its best solution with its uncertainty, and the parameters whose priors the recordings contradict.
 
     A simulation fit starts from the result of the equation fit, which is fast and converges from farther away.
     """
@@ -218,15 +217,17 @@ def _solution(
         misfit = simulated
     if weigh(misfit, solution) > MUCH:
         solution = solve(misfit, solution.values, progress=progress)
-    loosened = _contradicted(misfit, solution)
+    sure = uncertainty(misfit, solution)
+    loosened = _contradicted(solution, sure)
     if loosened:
         misfit.freedom = misfit.freedom.with_priors_loose(loosened)
         solution = solve(misfit, solution.values, progress=progress)
+        sure = uncertainty(misfit, solution)
     values = solution.values.copy()
     for k, number in enumerate(misfit.freedom.numbers):
         if number.periodic:
             values[k] = math.remainder(values[k], 2.0 * math.pi)
-    return misfit, replace(solution, values=values), loosened
+    return misfit, replace(solution, values=values), sure, loosened
 
 
 def _parts_encoders(model: Model) -> bool:
@@ -243,9 +244,8 @@ def _cost(misfit: SimulationMisfit, values: np.ndarray) -> float:
         return math.inf
 
 
-def _contradicted(misfit: Misfit, solution: Solution) -> list[int]:
+def _contradicted(solution: Solution, sure: Uncertainty) -> list[int]:
     """Parameters that these recordings move away from the model file with confidence."""
-    sure = uncertainty(misfit, solution)
     found = []
     for k, (number, x) in enumerate(zip(solution.freedom.numbers, solved(solution), strict=True)):
         mean, std = number.solver_prior
