@@ -209,7 +209,7 @@ def _solution(
     if method == "simulation":
         progress("simulating")
         simulated = SimulationMisfit(recordings, observations, freedom, sources)
-        starts += [solution.values[: len(freedom.numbers)], freedom.start]
+        starts += [solution.values[: len(freedom.numbers)], *(() if starts[0] is freedom.start else (freedom.start,))]
         start = min(starts, key=lambda values: _cost(simulated, values))
         simulated.doubt(start)
         simulated.reweigh(simulated.residual(start))
