@@ -141,7 +141,7 @@ class RivalField:
                 furthest = done
             shown[rival] = EquationErrorProblem([o])
         assert furthest is not None  # the found explanation is a contender, and a doubt has rivals
-        adds = None if self.detection is None else self.detection.of(shown[self.found].observations[0])
+        adds = None if self.detection is None else self.detection.of(shown[self.found])
         return Evaluated(trial, furthest, self._separation(shown, 1), adds)
 
     def separation(self, trial: Planned, steps: int) -> dict[Pair, float]:
