@@ -45,9 +45,10 @@ def test_a_refit_is_as_sure_as_was_predicted(stock, effect, command):
     found = found_by(stock, slow)
     detection = Detection(found, frozenset())
     there = stock.with_effect(effect)
+    planned = EquationErrorProblem([observed(stock, command, 20.0, seed=2)])
     predicted = Showing(
         detection.effects,
-        detection.apart(detection.so_far + detection.of(observed(stock, command, 20.0, seed=2))),
+        detection.apart(detection.so_far + detection.of(planned)),
         np.ones((len(detection.effects),) * 2, bool),
     ).of(effect)
 
@@ -78,7 +79,7 @@ def test_what_a_recording_tells_adds_up(stock):
     even = fit(both, found.hypothesis, 0)
     scale = even.problem.size / found.problem.size
     at_once = Detection(replace(even, misfits=(found.misfits[0] * scale, even.misfits[1])), frozenset())
-    apart = one.apart(one.so_far + one.of(second))
+    apart = one.apart(one.so_far + one.of(EquationErrorProblem([second])))
     assert at_once.effects == one.effects
     assert apart == pytest.approx(at_once.apart(at_once.so_far), rel=0.05, abs=0.1)
     assert (apart >= one.apart(one.so_far) - 1e-6).all()  # and no recording makes anything less sure
@@ -91,7 +92,8 @@ def test_friction_that_follows_a_load_asks_for_a_long_way_to_and_fro(stock):
     detection = Detection(found, frozenset())
 
     def shown(command):
-        apart = detection.apart(detection.so_far + detection.of(observed(sprung, command, 20.0)))
+        planned = EquationErrorProblem([observed(sprung, command, 20.0)])
+        apart = detection.apart(detection.so_far + detection.of(planned))
         k = detection.effects.index("mesh_friction")
         return apart[k, k]
 

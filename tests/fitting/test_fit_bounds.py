@@ -67,11 +67,11 @@ def test_what_is_judged_on_unseen_data_stays_within_what_was_searched(stock, sti
     misfit = Rigid(searched)
     # each recording alone draws the stiffness to where no straight line holds
     slopes, residual = np.full((2, 1), 1e-3), np.array([1e6, -1e6])
-    solution = Solution(searched, searched.start, residual, slopes, 1.0, 1.0, True)
+    solution = Solution(searched, searched.start, residual, lambda: slopes, 1.0, 1.0, True)
     tried = []
     monkeypatch.setattr("ema_twin_sim.fitting.unseen.errors", lambda r, s, models, *rest: tried.append(models))
-    judge(recordings, ["setpoint", "setpoint"], stock, misfit, solution, {})
-    values = [model.effects["shaft_compliance"].parameters["stiffness"] for model in tried[1]]
+    judge(recordings, ["setpoint", "setpoint"], stock, {}, misfit, solution, {})
+    values = [model.effects["shaft_compliance"].parameters["stiffness"] for model in tried[0]]
     bounds = searched.numbers[0]
     assert all(bounds.lower <= value <= bounds.upper * (1.0 + 1e-9) for value in values)
     assert max(values) == pytest.approx(bounds.upper)

@@ -79,6 +79,18 @@ def test_absurd_constants(stock):
     assert total == pytest.approx(2e-3 + 7.7e-4 + 1.75e-6, rel=0.03)
 
 
+def test_inertias_scaled_together_may_be_off_by_what_the_least_known_is(stock):
+    """A motor's inertia is on its data sheet, what hangs on the output is guessed: only the sum of both shows."""
+    true = stock.with_value("machine.output_inertia", 1.5 * stock.value("machine.output_inertia"))
+    known = {"machine.motor_inertia": 0.01, "machine.output_inertia": 0.5}
+    constants = {path: replace(stock.constants[path], tolerance=by) for path, by in known.items()}
+    start = replace(stock, constants={**stock.constants, **constants})
+    result = fit_model(bench(true, ("sine:0.02:1", "triangle:0.1:1")), start, method="equation")
+    found, nominal = (sum(held[key] for held in result.constants["machine"].values()) for key in ("value", "nominal"))
+    assert 1.1 < found / nominal < 1.5
+    assert not warned(result, "absurd")
+
+
 def test_absurd_where_the_recordings_are_too_short(stock):
     true = stock.with_effect("thermal_friction", {"fraction": 0.9, "time_constant": 100.0})
     result = fit_model(bench(true, ("ramp:0.2", "triangle:0.1:1")), stock.with_effect("thermal_friction"))

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
+from ema_twin_sim.identification.equation import EquationErrorProblem
+from ema_twin_sim.identification.estimates import standard_errors
+from ema_twin_sim.identification.fit import fit
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.uncertainty import disagreement
+from ema_twin_sim.measured.observe import observe_all
+from tests.recorded import record
 
 BLOCKS, ROWS, DRAWS = 6, 60, 2000
 NO_PRIOR = np.zeros((0, 2))
@@ -46,3 +52,16 @@ def test_what_all_rows_of_a_recording_have_in_common_is_told_too():
         random, slopes, which, lambda random: random.normal(size=BLOCKS)[which] + 0.1 * random.normal(size=len(which))
     )
     assert 0.7 < ratio[0] < 1.3
+
+
+def test_beside_what_is_held_the_rest_is_as_sure_as_without_it(stock):
+    """In one direction a load and friction that differs by direction are alike: known, that friction is no excuse."""
+    problem = EquationErrorProblem(observe_all(record(stock, ("ramp:0.05", "ramp:0.2"), 4.0), stock))
+    load = null_hypothesis(stock).with_effect("constant_load", {}, {"torque": 0.0})
+    beside = load.with_effect("asymmetric_friction", {}, {"fraction": 0.0})
+    either, held, alone = (
+        standard_errors(problem, fit(problem, h, 0))
+        for h in (beside, beside.holding({"effects.asymmetric_friction.fraction": 0.0}), load)
+    )
+    assert held == pytest.approx(alone, rel=1e-6)
+    assert either["effects.constant_load.torque"] > 1.3 * alone["effects.constant_load.torque"]

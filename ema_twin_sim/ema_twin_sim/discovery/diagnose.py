@@ -278,7 +278,7 @@ def _removed(problem: EquationErrorProblem, found: Discovery, contenders: Sequen
     sources = [choose_input(recording, base) for recording in recordings]
     jobs = []
     for key, f in fits.items():
-        numbers = held_out(problem, f) if len(recordings) > 1 else [f.hypothesis.values]
+        numbers, _ = held_out(problem, f)
         models = [in_si(f.hypothesis.at(values).model()) for values in numbers]
         jobs += [(key, *job) for job in zip(recordings, sources, models, strict=True)]
 

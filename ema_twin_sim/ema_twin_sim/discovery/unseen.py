@@ -236,11 +236,12 @@ def judge_unseen(
     of_output: list[float] = []
     for f in fits:
         untouched = as_given and f is found.fit
-        numbers = [f.hypothesis.values] * len(recordings)
-        if not untouched and len(recordings) > 1:
-            numbers = held_out(problem, f)
+        if untouched:
+            numbers, left = [f.hypothesis.values] * len(recordings), problem.residual(problem.predict(f.hypothesis))
+        else:
+            numbers, left = held_out(problem, f)
         if driven and problem.rows > problem.size:
-            of_output.append(parting(problem, f, numbers))
+            of_output.append(parting(problem, left))
         jobs += [
             (*case, given if untouched else in_si(f.hypothesis.at(values).model()))
             for case, values in zip(cases, numbers, strict=True)
@@ -255,10 +256,7 @@ def judge_unseen(
     if signal == "current" and counts[:, :, 1].sum(axis=1).all():
         of_output = [float(value) for value in pooled[:, 1]]
     elif of_output:
-        of_output = [
-            parting(problem, fits[0], [fits[0].hypothesis.values] * len(recordings)),
-            *of_output,
-        ]
+        of_output = [parting(problem, problem.residual(problem.predict(fits[0].hypothesis))), *of_output]
     first = int(base.is_open)
     judged_from = float(pooled[first, -1]), of_output[first] if of_output else None
     if as_given or not pooled[1, 0] < pooled[0, 0]:  # fitting open constants while an effect is missing may mislead
@@ -299,12 +297,7 @@ def gain_where_unseen(f: Fit) -> float:
     costs = []
     beside = fit(problem, effects, known=f) if f.hypothesis.generic_bases else f
     for one in (fit(problem, bare, known=f), beside):
-        unseen = np.zeros(problem.rows)
-        numbers = held_out(problem, one)
-        for t, e, values in zip(problem.torque_parts, problem.encoder_parts, numbers, strict=True):
-            residual = problem.residual(problem.predict(one.hypothesis.at(values), side_by_side=True))
-            for part in (t, e):
-                unseen[part] = problem.costs(residual)[part]
-        costs.append(unseen)
+        _, left = held_out(problem, one)
+        costs.append(problem.costs(left))
     noise = np.repeat(f.variance_inflations, (problem.size, problem.rows - problem.size))
     return float(np.sum((costs[0] - costs[1]) / noise))

@@ -21,6 +21,7 @@ from ..plant.driven_output import RESOLVED
 from ..simulation.assembly import assemble
 from ..simulation.sensor_noise import counter_noise
 from .free_parameters import FreeParameter, FreeParameters
+from .misfit import Last
 
 BLIND = ("drive.", "sensors.", "machine.torque_constant")
 """Prefixes of paths that do not appear in the equation."""
@@ -63,6 +64,7 @@ class EquationMisfit:
         self.equation = equation
         if math.isfinite(self._most):
             self.equation = equation.under(Weighting.even(self.rows, self._most))
+        self._predict = Last(lambda values: equation.predict(self._at(values)))  # under any weighting of its rows
 
     def with_outliers_from(self, scale: float) -> EquationMisfit:
         """The same misfit with one outlier scale in all rows."""
@@ -73,22 +75,20 @@ class EquationMisfit:
     def residual(self, values: np.ndarray) -> np.ndarray:
         """Measured minus predicted (m,) at these values (k,)."""
         with np.errstate(all="ignore"):  # if no step resolves a stiffness, the cost is NaN and the step is rejected
-            return self.equation.residual(self.equation.predict(self._at(values)))
+            return self.equation.residual(self._predict(values))
 
     def slopes(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weighted slopes of the prediction (m, k) with respect to each parameter."""
-        here = self._at(values)
         with np.errstate(all="ignore"):
-            return np.nan_to_num(
-                jacobian(self.equation, here, self.equation.predict(here), weights), posinf=0.0, neginf=0.0
-            )
+            slopes = jacobian(self.equation, self._at(values), self._predict(values), weights)
+        return np.nan_to_num(slopes, posinf=0.0, neginf=0.0)
 
     def zero_shift(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weighted change of the prediction (m,) if every motor counter's zero is off by its noise."""
         shift = counter_noise(self.freedom.model, "motor")
         moved = self.equation.with_motor_zeros_off(shift)
-        here, there = (equation.predict(self._at(values)).rows for equation in (self.equation, moved))
-        return self.equation.centred(there - here, weights) * weights
+        there = moved.predict(self._at(values)).rows
+        return self.equation.centred(there - self._predict(values).rows, weights) * weights
 
     def systematic(self, values: np.ndarray) -> np.ndarray:
         """Systematic error of each parameter in a two-inertia model (zero otherwise).

@@ -51,7 +51,7 @@ def find(solution: Solution, sure: Uncertainty, fitted: Model, method: str, c: C
             found.append(_finding("no_effect", number, reason, fitted))
         if not number.path.startswith("effects."):
             off = abs(value / number.prior[0] - 1.0)
-            tolerance = fitted.constants[number.path].tolerance
+            tolerance = max(fitted.constants[path].tolerance for path in number.paths)
             if off > CONTRADICTED * tolerance:
                 text = (
                     f"ends {100.0 * off:.0f} % off its nominal value, {off / tolerance:.0f} times its tolerance: is "

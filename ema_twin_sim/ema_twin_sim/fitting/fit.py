@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -28,7 +29,7 @@ from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.own_units import in_si, native_as_given, shown_entry
 from ..simulation.angle_origins import without_common_zero
-from ..simulation.simulate import BY_MOTOR, POINTWISE, choose_input, simulate
+from ..simulation.simulate import BY_MOTOR, POINTWISE, choose_input
 from .doubts import no_nearer, still_far
 from .equation_misfit import LAG, EquationMisfit
 from .findings import Finding, asleep, find, not_given
@@ -137,11 +138,14 @@ def fit_model(
             )
         fix = (*fix, *not_by_encoders(model, free))
     freedom = choose_numbers(model, free, fix)
-    misfit, solution, loosened = _solution(recordings, sources, method, freedom, progress)
+    misfit, solution, sure, loosened = _solution(recordings, sources, method, freedom, progress)
     progress("judging on held-out data")
-    as_given = as_filed if model.is_open and _runs(as_filed, rotary, sources) else in_si(model)
-    before, after, judged_on = judge(rotary, sources, as_given, misfit, solution, noise)
-    sure = uncertainty(misfit, solution)
+    as_given, own_before = in_si(model), None
+    if model.is_open:
+        with suppress(InputError):  # a model whose constants are guesses may be one that cannot be simulated at all
+            as_given, own_before = as_filed, errors_of(as_filed, rotary, sources, noise)
+    own_before = own_before or errors_of(as_given, rotary, sources, noise)
+    before, after, judged_on = judge(rotary, sources, as_given, own_before, misfit, solution, noise)
     untold = not_given(solution, method)
     values = solution.values[: len(freedom.numbers)].copy()
     values[untold] = freedom.start[untold]
@@ -153,7 +157,7 @@ def fit_model(
     shown = [k for k, number in enumerate(solution.freedom.numbers) if number.path != LAG]
     own_before, own_after, before, after = (
         shown_errors(as_given, of_the_drive(as_given, each, rotary))
-        for each in (*(errors_of(one, rotary, sources, noise) for one in (as_given, in_si(fitted))), before, after)
+        for each in (own_before, errors_of(in_si(fitted), rotary, sources, noise), before, after)
     )
     hit = _parts_encoders(fitted)
     notes = no_nearer(own_before, own_after, before, after, by_equation=method == "equation", hit=hit)
@@ -184,8 +188,8 @@ def fit_model(
 
 def _solution(
     recordings: Sequence[Recording], sources: Sequence[str], method: str, freedom: FreeParameters, progress: Progress
-) -> tuple[Misfit, Solution, list[int]]:
-    """The misfit, its best solution, and the parameters whose priors the recordings contradict.
+) -> tuple[Misfit, Solution, Uncertainty, list[int]]:
+    """The misfit, its best solution with its uncertainty, and the parameters whose priors the recordings contradict.
 
     A simulation fit starts from the result of the equation fit, which is fast and converges from farther away.
     """
@@ -205,7 +209,7 @@ def _solution(
     if method == "simulation":
         progress("simulating")
         simulated = SimulationMisfit(recordings, observations, freedom, sources)
-        starts += [solution.values[: len(freedom.numbers)], freedom.start]
+        starts += [solution.values[: len(freedom.numbers)], *(() if starts[0] is freedom.start else (freedom.start,))]
         start = min(starts, key=lambda values: _cost(simulated, values))
         simulated.doubt(start)
         simulated.reweigh(simulated.residual(start))
@@ -213,25 +217,17 @@ def _solution(
         misfit = simulated
     if weigh(misfit, solution) > MUCH:
         solution = solve(misfit, solution.values, progress=progress)
-    loosened = _contradicted(misfit, solution)
+    sure = uncertainty(misfit, solution)
+    loosened = _contradicted(solution, sure)
     if loosened:
         misfit.freedom = misfit.freedom.with_priors_loose(loosened)
         solution = solve(misfit, solution.values, progress=progress)
+        sure = uncertainty(misfit, solution)
     values = solution.values.copy()
     for k, number in enumerate(misfit.freedom.numbers):
         if number.periodic:
             values[k] = math.remainder(values[k], 2.0 * math.pi)
-    return misfit, replace(solution, values=values), loosened
-
-
-def _runs(model: Model, recordings: Sequence[Recording], sources: Sequence[str]) -> bool:
-    """Whether a model whose constants are guesses can be simulated at all."""
-    try:
-        for recording, source in zip(recordings, sources, strict=True):
-            simulate(model, recording, source)
-    except InputError:
-        return False
-    return True
+    return misfit, replace(solution, values=values), sure, loosened
 
 
 def _parts_encoders(model: Model) -> bool:
@@ -248,9 +244,8 @@ def _cost(misfit: SimulationMisfit, values: np.ndarray) -> float:
         return math.inf
 
 
-def _contradicted(misfit: Misfit, solution: Solution) -> list[int]:
+def _contradicted(solution: Solution, sure: Uncertainty) -> list[int]:
     """Parameters that these recordings move away from the model file with confidence."""
-    sure = uncertainty(misfit, solution)
     found = []
     for k, (number, x) in enumerate(zip(solution.freedom.numbers, solved(solution), strict=True)):
         mean, std = number.solver_prior

@@ -2,11 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Callable
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
 from .free_parameters import FreeParameters
+
+T = TypeVar("T")
+
+
+class Last(Generic[T]):
+    """A function of values (k,) that remembers its last result."""
+
+    def __init__(self, of: Callable[[np.ndarray], T]) -> None:
+        self._of = of
+        self._known: tuple[np.ndarray, T] | None = None
+
+    def __call__(self, values: np.ndarray) -> T:
+        """The result at these values."""
+        if self._known is None or not np.array_equal(self._known[0], values):
+            self._known = (values.copy(), self._of(values))
+        return self._known[1]
 
 
 class Misfit(Protocol):
@@ -46,5 +63,8 @@ class Misfit(Protocol):
         ...
 
     def reweigh(self, residual: np.ndarray) -> bool:
-        """Weight each part by how well it can be matched at all; return whether that changed much."""
+        """Weight each part by how well it can be matched at all; return whether that changed much.
+
+        A copy made before keeps the weights that it had.
+        """
         ...

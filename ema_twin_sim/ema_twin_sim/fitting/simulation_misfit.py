@@ -29,6 +29,7 @@ from ..simulation.longest_step import coarse_step
 from ..simulation.sensor_noise import counter_noise, noise_floors
 from ..simulation.simulate_many import simulate_many
 from .free_parameters import FreeParameters
+from .misfit import Last
 
 LINGER = 0.06  # own s around standstill in which rows do not count
 LEAP = 5.0  # finite-difference steps over which jumps are looked for
@@ -84,8 +85,8 @@ class SimulationMisfit:
         self.rows = int(edges[-1])
         self._spread = np.ones(len(self._parts))
         self._trust = np.concatenate([part.trust for part in self._parts])
-        self._predicted: tuple[np.ndarray, np.ndarray] | None = None
-        self._changed: tuple[np.ndarray, list[np.ndarray]] | None = None
+        self._predict = Last(lambda values: self._predict_all([values], None)[0])
+        self._changes = Last(self._differences)
         self._coarse = coarse_step(freedom.model)
         self._runs([freedom.start], 0, None)  # compiles an effect here, rather than in several threads at once
 
@@ -139,30 +140,21 @@ class SimulationMisfit:
             rows[here] = _without(change[here] / (part.noise * spread), part.drift, weights[here]) * weights[here]
         return rows
 
-    def _changes(self, values: np.ndarray) -> list[np.ndarray]:
-        """Change of the prediction (m,) per unit of each parameter, by central differences; the last result is cached.
+    def _differences(self, values: np.ndarray) -> list[np.ndarray]:
+        """Change of the prediction (m,) per unit of each parameter, by central differences.
 
         With one-sided differences, the kinks of friction and backlash would bias every step, and no fit would converge.
         """
-        if self._changed is None or not np.array_equal(self._changed[0], values):
-            numbers = self.freedom.numbers
-            lower, upper = np.array([n.lower for n in numbers]), np.array([n.upper for n in numbers])
-            steps = np.array([n.step * n.slope(v) for n, v in zip(numbers, values, strict=True)])
-            down, up = np.minimum(steps, values - lower), np.minimum(steps, upper - values)
-            points = [*(values + np.diag(up)), *(values - np.diag(down))]
-            there = self._predict_all(points, self._coarse)
-            changes = [
-                (above - below) / width
-                for above, below, width in zip(there[: len(steps)], there[len(steps) :], up + down, strict=True)
-            ]
-            self._changed = (values.copy(), changes)
-        return self._changed[1]
-
-    def _predict(self, values: np.ndarray) -> np.ndarray:
-        """The twins' signals (m,); the last result is cached."""
-        if self._predicted is None or not np.array_equal(self._predicted[0], values):
-            self._predicted = (values.copy(), self._predict_all([values], None)[0])
-        return self._predicted[1]
+        numbers = self.freedom.numbers
+        lower, upper = np.array([n.lower for n in numbers]), np.array([n.upper for n in numbers])
+        steps = np.array([n.step * n.slope(v) for n, v in zip(numbers, values, strict=True)])
+        down, up = np.minimum(steps, values - lower), np.minimum(steps, upper - values)
+        points = [*(values + np.diag(up)), *(values - np.diag(down))]
+        there = self._predict_all(points, self._coarse)
+        return [
+            (above - below) / width
+            for above, below, width in zip(there[: len(steps)], there[len(steps) :], up + down, strict=True)
+        ]
 
     def _predict_all(self, points: Sequence[np.ndarray], step: float | None, shift: float = 0.0) -> list[np.ndarray]:
         runs = simulations(lambda k: self._runs(points, k, step, shift), range(len(self._recordings)))
@@ -187,7 +179,7 @@ class SimulationMisfit:
 
     def reweigh(self, residual: np.ndarray) -> bool:
         """Weight each part by how well it can be matched at all; return whether that changed much."""
-        before = self._spread.copy()
+        before, self._spread = self._spread, self._spread.copy()
         for k, (part, here) in enumerate(zip(self._parts, self._slices, strict=True)):
             trusted = part.trust > 0.5
             if trusted.any():

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -23,7 +25,7 @@ PASSES = 3  # times that the parts are weighted again
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """The best values (k,), the weighted residual (m,) and its weighted slopes (m, k) in the solver's variables.
+    """The best values (k,) and the weighted residual (m,).
 
     ``cost`` is in units of ``misfit.variance`` and includes the priors; ``misfit`` has neither.
     """
@@ -31,10 +33,18 @@ class Solution:
     freedom: FreeParameters
     values: np.ndarray
     residual: np.ndarray
-    slopes: np.ndarray
+    differentiate: Callable[[], np.ndarray]  # returns the slopes; the same at every call
     misfit: float
     cost: float
     ended: bool  # no further step gains anything
+
+    @property
+    def slopes(self) -> np.ndarray:
+        """Weighted slopes (m, k) in the solver's variables; computed on first use, as most solutions are only compared.
+
+        They are those under the weighting of the parts that the solution was found under.
+        """
+        return self.differentiate()
 
 
 def solve(
@@ -67,11 +77,16 @@ def priors(freedom: FreeParameters, solved: np.ndarray) -> tuple[np.ndarray, np.
 def _descend(
     misfit: Misfit, start: np.ndarray, iterations: int, enough: float, progress: Callable[[str], None]
 ) -> Solution:
+    held = copy(misfit)  # with its weighting of the parts, under which slopes are computed on demand
     numbers = misfit.freedom.numbers
     lower, upper = np.array([n.solved_bounds for n in numbers]).T
 
     def out(solved: np.ndarray) -> np.ndarray:
         return np.array([n.from_solver(v) for n, v in zip(numbers, solved, strict=True)])
+
+    def slopes_at(values: np.ndarray, weights: np.ndarray) -> Callable[[], np.ndarray]:
+        per = np.array([n.slope(v) for n, v in zip(numbers, values, strict=True)])
+        return cache(lambda: np.clip(held.slopes(values, weights) * per, -STEEPEST, STEEPEST))
 
     x = np.clip([n.to_solver(v) for n, v in zip(numbers, start, strict=True)], lower, upper)
     values = out(x)
@@ -83,11 +98,10 @@ def _descend(
     ended = False
     for turn in range(iterations + 1):
         weights = misfit.weights(raw)
-        per = np.array([n.slope(v) for n, v in zip(numbers, values, strict=True)])
-        slopes = np.clip(misfit.slopes(values, weights) * per, -STEEPEST, STEEPEST)
-        residual = raw * weights
+        residual, differentiate = raw * weights, slopes_at(values, weights)
         if ended or turn == iterations:
             break
+        slopes = differentiate()
         # rows are in units of the noise allowed for each part; outliers count less
         progress(f"round {turn + 1}: misfit {math.sqrt(plain / misfit.rows):.3g} times the noise allowed for")
         curvature = slopes.T @ slopes / misfit.variance + np.diag(inverse**2)
@@ -118,4 +132,4 @@ def _descend(
         x, values, raw, known, plain, cost = trial, out(trial), trial_raw, trial_known, trial_plain, trial_cost
         damping = 0.1 * damping if damping > 1e-5 else 0.0
         ended = fall < ENOUGH + enough * cost
-    return Solution(misfit.freedom, values, residual, slopes, plain, cost, ended)
+    return Solution(misfit.freedom, values, residual, differentiate, plain, cost, ended)

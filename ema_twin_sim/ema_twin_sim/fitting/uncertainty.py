@@ -32,10 +32,9 @@ def weigh(misfit: Misfit, solution: Solution) -> float:
     """
     before = misfit.variance
     misfit.variance *= max(1.0, solution.misfit / misfit.rows)
-    curvature = np.linalg.inv(_posterior(misfit, solution))
     away = _moves(misfit, solution)
     count = len(away)
-    distance = (count - 1) / count * float(np.einsum("bi,ij,bj->", away, curvature, away))
+    distance = (count - 1) / count * float(np.einsum("bi,ij,bj->", away, _information(misfit, solution), away))
     misfit.variance *= min(max(1.0, distance / away.shape[1]), FAR_OFF_ROW)
     return misfit.variance / before
 
@@ -46,7 +45,7 @@ def uncertainty(misfit: Misfit, solution: Solution) -> Uncertainty:
     The larger of two estimates (curvature with priors; Tukey's jackknife over recordings), plus the error of each
     counter's zero and the systematic error of the method.
     """
-    posterior = _posterior(misfit, solution)
+    posterior = scaled_inverse(_information(misfit, solution), RIDGE)
     away = _moves(misfit, solution)
     jackknife = (len(away) - 1) / len(away) * np.sum(away**2, axis=0)
     zeros = _zeros(misfit, solution) @ posterior / misfit.variance
@@ -73,11 +72,8 @@ def left_out(misfit: Misfit, solution: Solution, which: np.ndarray, count: int) 
 
     ``which`` (m,) is the block of each row, negative if a row is never left out.
     """
-    x = solved(solution)
-    _, inverse = priors(solution.freedom, x)
-    noise = math.sqrt(misfit.variance)
+    x, information, noise = solved(solution), _information(misfit, solution), math.sqrt(misfit.variance)
     slopes, residual = solution.slopes / noise, solution.residual / noise
-    information = slopes.T @ slopes + np.diag(inverse**2)
     return np.array(
         [x + move_without(information, slopes[which == k], residual[which == k], RIDGE) for k in range(count)]
     )
@@ -95,7 +91,7 @@ def _moves(misfit: Misfit, solution: Solution) -> np.ndarray:
     return away - away.mean(axis=0)
 
 
-def _posterior(misfit: Misfit, solution: Solution) -> np.ndarray:
-    """Covariance (k, k) from curvature and priors."""
+def _information(misfit: Misfit, solution: Solution) -> np.ndarray:
+    """Information (k, k) of rows and priors about the solver's variables."""
     _, inverse = priors(solution.freedom, solved(solution))
-    return scaled_inverse(solution.slopes.T @ solution.slopes / misfit.variance + np.diag(inverse**2), RIDGE)
+    return solution.slopes.T @ solution.slopes / misfit.variance + np.diag(inverse**2)

@@ -29,13 +29,15 @@ def judge(
     recordings: Sequence[Recording],
     sources: Sequence[str],
     given: Model,
+    of_given: Errors,
     misfit: Misfit,
     solution: Solution,
     noise: Mapping[str, float],
 ) -> tuple[Errors, Errors, str]:
     """(errors before, errors after, what they were judged on): each recording, with parameters from the others.
 
-    Before: of the ``given`` model. It and the recordings are in SI; ``noise`` is the noise floor of the recordings.
+    Before: of the ``given`` model; ``of_given`` are its errors over all of the recordings. It and they are in SI;
+    ``noise`` is their noise floor.
     """
     if len(recordings) > 1:
         which = np.empty(misfit.rows, int)
@@ -59,8 +61,8 @@ def judge(
         values = np.array([n.from_solver(x) for n, x in zip(freedom.numbers, inside, strict=True)])
         models.append(in_si(freedom.at(values)))
     as_given = [given] * len(recordings)
-    before, after = (errors(recordings, sources, each, as_given, first, noise) for each in (as_given, models))
-    return before, after, said
+    before = errors(recordings, sources, as_given, as_given, first, noise) if any(first) else of_given
+    return before, errors(recordings, sources, models, as_given, first, noise), said
 
 
 def errors_of(

@@ -16,7 +16,7 @@ from .equation import EquationErrorProblem
 from .estimates import standard_errors
 from .fit import Fit, prior_rows
 from .hypothesis import INERTIAS, Free
-from .uncertainty import scaled_inverse
+from .uncertainty import linearised, scaled_inverse
 
 INERTIA_SHOWN_BY = "hard acceleration: steps, fast sines"
 TURNED = (
@@ -72,11 +72,9 @@ def _without_bounds(f: Fit) -> np.ndarray:
 
     To first order, as inertia and friction act.
     """
-    root_inflation = np.sqrt(f.row_variance_inflations)
-    residuals, slopes = prior_rows(f.hypothesis)
-    scaled = np.concatenate([f.jacobian / root_inflation[:, None], slopes])
-    spread = scaled_inverse(scaled.T @ scaled)
-    best = f.hypothesis.values + spread @ (scaled.T @ np.concatenate([f.residual / root_inflation, residuals]))
+    near, (known, _) = linearised(f), prior_rows(f.hypothesis)
+    spread = scaled_inverse(near.information)
+    best = f.hypothesis.values + spread @ (near.slopes.T @ near.residual + near.priors.T @ known)
     return best / np.sqrt(np.maximum(np.diag(spread), 1e-300))
 
 

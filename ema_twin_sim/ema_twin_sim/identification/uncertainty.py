@@ -4,17 +4,40 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from ..model.roles import FRICTION
 from .equation import EquationErrorProblem
 from .fit import Fit, prior_rows
+from .hypothesis import Hypothesis
 
-STEP_SHARES = (1.0, 0.5, 0.2, 0.0)
+STEP_SHARES = (1.0, 0.5, 0.2)
 RIDGE = 1e-9  # for parameters of which some have no prior
 BLOCKS = 6  # fewest blocks to compare; recordings are split if there are fewer
 LEAST_ELSEWHERE = 1e-3  # smallest share of the information about a direction that must come from other blocks
+
+
+class Linearised(NamedTuple):
+    """A fit to first order, in units of the noise: its rows and priors are linear in the free parameters."""
+
+    slopes: np.ndarray  # (m, k), of the rows
+    residual: np.ndarray  # (m,)
+    priors: np.ndarray  # (p, k), slopes of the priors
+
+    @property
+    def information(self) -> np.ndarray:
+        """Information (k, k) about the free parameters, from rows and priors."""
+        return self.slopes.T @ self.slopes + self.priors.T @ self.priors
+
+
+def linearised(f: Fit, held: Sequence[int] = ()) -> Linearised:
+    """A fit to first order; of the parameters with the indices ``held`` its rows show nothing."""
+    root_inflation = np.sqrt(f.row_variance_inflations)
+    slopes = f.jacobian / root_inflation[:, None]
+    slopes[:, list(held)] = 0.0
+    return Linearised(slopes, f.residual / root_inflation, prior_rows(f.hypothesis)[1])
 
 
 def blocks(parts: Sequence[tuple[int, slice]]) -> np.ndarray:
@@ -35,46 +58,39 @@ def covariance(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
 
     White-noise least squares is far too optimistic because the residual is not white. How far each recording pulls the
     parameters shows how uncertain they are. Open friction that ended at zero would go on to negative values: it has its
-    own variance, and the others are as sure as without it.
+    own variance, and the others are as sure as without it. So are they beside what is held without a prior.
     """
-    free = _covariance(problem, f, np.zeros(0, int))
-    ended = _at_zero(f)
-    if not len(ended):
+    free = _covariance(problem, f)
+    ended = _not_moving(f)
+    if not ended:
         return free
     held = _covariance(problem, f, ended)
     held[ended, ended] = free[ended, ended]
     return held
 
 
-def _at_zero(f: Fit) -> np.ndarray:
-    """Indices of open friction that ended at zero."""
-    return np.array(
-        [
-            k
-            for k, (free, value) in enumerate(zip(f.hypothesis.free, f.hypothesis.values, strict=True))
-            if free.prior is None and free.lower == value == 0.0 and free.path.removeprefix("scale.") in FRICTION
-        ],
-        int,
-    )
+def _not_moving(f: Fit) -> list[int]:
+    """Indices of what is held without a prior, and of open friction that ended at zero."""
+    return [
+        k
+        for k, (free, value) in enumerate(zip(f.hypothesis.free, f.hypothesis.values, strict=True))
+        if free.prior is None
+        and (free.lower == free.upper or (free.lower == value == 0.0 and free.path.removeprefix("scale.") in FRICTION))
+    ]
 
 
-def _covariance(problem: EquationErrorProblem, f: Fit, held: np.ndarray) -> np.ndarray:
+def _covariance(problem: EquationErrorProblem, f: Fit, held: Sequence[int] = ()) -> np.ndarray:
     """Covariance (k, k) with some parameters held at their values, those with the indices ``held``."""
-    _, pj = prior_rows(f.hypothesis)
-    root_inflation = np.sqrt(f.row_variance_inflations)
-    scaled = f.jacobian / root_inflation[:, None]
-    scaled[:, held] = 0.0
-    found = scaled_inverse(scaled.T @ scaled + pj.T @ pj)
+    near = linearised(f, held)
+    found = scaled_inverse(near.information)
     which = blocks(problem.parts)
     # Coefficients of generic bases are not reported, and some of them depend on one block alone. What they can explain
     # is projected out first, in all blocks.
     asked = np.array([not free.path.startswith("basis.") for free in f.hypothesis.free])
-    aside, _ = np.linalg.qr(scaled[:, ~asked])
-    jacobian = scaled[:, asked] - aside @ (aside.T @ scaled[:, asked])
-    residual = f.residual / root_inflation
-    residual = residual - aside @ (aside.T @ residual)
-    pj = pj[:, asked]
-    found[np.ix_(asked, asked)] += disagreement(jacobian, residual, pj, which)
+    aside, _ = np.linalg.qr(near.slopes[:, ~asked])
+    slopes = near.slopes[:, asked] - aside @ (aside.T @ near.slopes[:, asked])
+    residual = near.residual - aside @ (aside.T @ near.residual)
+    found[np.ix_(asked, asked)] += disagreement(slopes, residual, near.priors[:, asked], which)
     return _within_ranges(found, f)
 
 
@@ -110,35 +126,40 @@ def disagreement(jacobian: np.ndarray, residual: np.ndarray, priors: np.ndarray,
     return found
 
 
-def held_out(problem: EquationErrorProblem, f: Fit) -> list[np.ndarray]:
-    """Parameters (k,) to judge each recording by: fitted, to first order, to all other recordings."""
-    _, pj = prior_rows(f.hypothesis)
-    root_inflation = np.sqrt(f.row_variance_inflations)
-    jacobian, residual_here = f.jacobian / root_inflation[:, None], f.residual / root_inflation
-    information = jacobian.T @ jacobian + pj.T @ pj
-    lower, upper = problem.bounds(f.hypothesis)
+def held_out(problem: EquationErrorProblem, f: Fit) -> tuple[list[np.ndarray], np.ndarray]:
+    """Parameters (k,) to judge each recording by, and the residual (m,) that they leave in it.
+
+    They are fitted, to first order, to all other recordings; if there is no other, they are those of the fit.
+    """
+    h, left = f.hypothesis, problem.residual(problem.predict(f.hypothesis, side_by_side=True))
+    if len(problem.observations) == 1:
+        return [h.values], left
     # The tooth contact is no finding, and linearising through impacts is unreliable: keep the value from all
-    # recordings.
-    moving = np.array([not free.path.startswith("contact.") for free in f.hypothesis.free])
-    found = []
+    # recordings, as that of what is held. Nothing else may move as if these made up for it.
+    still = [k for k, free in enumerate(h.free) if free.path.startswith("contact.") or free.lower == free.upper]
+    near = linearised(f, still)
+    information, (lower, upper) = near.information, problem.bounds(h)
+
+    def cost(trial: Hypothesis, residual: np.ndarray, others: np.ndarray) -> float:
+        pr, _ = prior_rows(trial)
+        return float((problem.costs(residual) / f.row_variance_inflations)[others].sum()) + float(pr @ pr)
+
+    unmoved, found = left.copy(), []
     for t, e in zip(problem.torque_parts, problem.encoder_parts, strict=True):
         rows = np.r_[t, e]
-        step = move_without(information, jacobian[rows], residual_here[rows]) * moving
+        step = move_without(information, near.slopes[rows], near.residual[rows])
         others = np.ones(problem.rows, bool)
         others[rows] = False
         # A first-order step may be far too long if one recording dominates: use the fraction that is best for the
         # others.
-        best, least = f.hypothesis.values, np.inf
+        best, least = h, cost(h, unmoved, others)
         for share in STEP_SHARES:
-            values = np.clip(f.hypothesis.values + share * step, lower, upper)
-            trial = f.hypothesis.at(values)
+            trial = h.at(np.clip(h.values + share * step, lower, upper))
             residual = problem.residual(problem.predict(trial, side_by_side=True))
-            pr, _ = prior_rows(trial)
-            cost = float((problem.costs(residual) / root_inflation**2)[others].sum()) + float(pr @ pr)
-            if cost < least:
-                best, least = values, cost
-        found.append(best)
-    return found
+            if (now := cost(trial, residual, others)) < least:
+                best, least, left[rows] = trial, now, residual[rows]
+        found.append(best.values)
+    return found, left
 
 
 def move_without(information: np.ndarray, slopes: np.ndarray, residual: np.ndarray, ridge: float = RIDGE) -> np.ndarray:

@@ -23,7 +23,6 @@ from ...identification.jacobian import jacobian
 from ...identification.prediction import Prediction
 from ...identification.screening import STEP
 from ...identification.start_values import regressed_angle
-from ...measured.observation import Observation
 from ...model import EffectInstance
 
 
@@ -101,13 +100,12 @@ class Detection:
         physical = [not free.path.startswith("basis.") for free in found.hypothesis.free]
         self.so_far = marginal(information, np.array([*physical, *(True for _ in self._columns)]))
 
-    def of(self, recording: Observation) -> np.ndarray:
-        """Information (m, m) that a recording adds about the free numbers and the sizes of all effects.
+    def of(self, problem: EquationErrorProblem) -> np.ndarray:
+        """Information (m, m) that the recordings of a problem add about the free numbers and the sizes of all effects.
 
-        Wandering friction in the new recording is ignored, because how it wanders is only found by a fit to measured
+        Wandering friction in new recordings is ignored, because how it wanders is only found by a fit to measured
         data. For a machine with wandering friction the result is slightly too optimistic.
         """
-        problem = EquationErrorProblem([recording])
         even = np.ones(problem.rows)
         predicted = problem.predict(self.hypothesis)
         slopes = jacobian(problem, self.hypothesis, predicted, even)

@@ -17,9 +17,10 @@ from ...criteria import FAR_OUT, LEAST_SIZE, LIKELY, NEGLIGIBLE, SIGNIFICANT, ST
 from ...effects import Trait, catalogue, effects_with
 from ...identification.candidates import Candidate, candidates
 from ...identification.equation import EquationErrorProblem
-from ...identification.fit import Fit, fit, prior_rows
+from ...identification.fit import Fit, fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.screening import screen
+from ...identification.uncertainty import linearised
 from ...model import EffectInstance
 from ...plant.measured_motion import SPEED
 from ..criteria.worth import ENCODER_ONLY, penalised_gain
@@ -103,13 +104,6 @@ def reverses(problem: EquationErrorProblem) -> bool:
     return min(forward, backward) > NEGLIGIBLE * (forward + backward)
 
 
-def information(f: Fit) -> np.ndarray:
-    """Information matrix (k, k) of the free numbers from recordings and priors, in units of noise."""
-    _, pj = prior_rows(f.hypothesis)
-    scaled = f.jacobian / np.sqrt(f.row_variance_inflations)[:, None]
-    return scaled.T @ scaled + pj.T @ pj
-
-
 def _about(
     problem: EquationErrorProblem, best: Fit, name: str, wanted: set[str], without: frozenset[str], fits: Sequence[Fit]
 ) -> Doubt | None:
@@ -176,7 +170,7 @@ def _may_be_nothing(best: Fit, name: str) -> bool:
         return False
     paths = [free.path for free in best.hypothesis.free]
     k = paths.index(f"effects.{name}.{size.name}")
-    spread = np.linalg.pinv(information(best), hermitian=True)[k, k]
+    spread = np.linalg.pinv(linearised(best).information, hermitian=True)[k, k]
     return (best.hypothesis.values[k] - size.neutral) ** 2 < FAR_OUT**2 * float(spread)
 
 
@@ -216,7 +210,7 @@ def _as_large_as_may_be(problem: EquationErrorProblem, best: Fit, id: str) -> Fi
     size = catalogue()[id].parameters[0]
     free = fit(problem, best.hypothesis.with_effect(id, {}, {size.name: 1e-3 * size.default}), 4, known=best)
     k = [f.path for f in free.hypothesis.free].index(f"effects.{id}.{size.name}")
-    spread = math.sqrt(float(np.linalg.pinv(information(free), hermitian=True)[k, k]))
+    spread = math.sqrt(float(np.linalg.pinv(linearised(free).information, hermitian=True)[k, k]))
     value = free.hypothesis.values[k] + math.copysign(LIKELY * spread, free.hypothesis.values[k])
     base = best.hypothesis.base.with_effect(id, {size.name: min(max(value, size.lower), size.upper)})
     return fit(problem, replace(best.hypothesis, base=base), 4, known=best)

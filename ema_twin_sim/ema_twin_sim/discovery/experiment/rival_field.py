@@ -21,6 +21,7 @@ from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...identification.hypothesis import Hypothesis
 from ...identification.jacobian import jacobian
+from ...identification.uncertainty import linearised
 from ...listing import listed
 from ...measured.observation import Observation
 from ...measured.observe import observe
@@ -33,7 +34,7 @@ from ...simulation.virtual_bench import virtual_bench
 from .bench_limits import Limits, reached
 from .command_grid import Planned, command_grid
 from .detection import Detection, Showing, marginal, without_generic_bases
-from .doubts import NOTHING, Doubt, Rival, information, reverses
+from .doubts import NOTHING, Doubt, Rival, reverses
 
 _STEP = 1.25e-4  # own s, integration step: a plan needs no finer one
 STEPS = 3  # iterations of a rival's fit to what another would show
@@ -141,7 +142,7 @@ class RivalField:
                 furthest = done
             shown[rival] = EquationErrorProblem([o])
         assert furthest is not None  # the found explanation is a contender, and a doubt has rivals
-        adds = None if self.detection is None else self.detection.of(shown[self.found].observations[0])
+        adds = None if self.detection is None else self.detection.of(shown[self.found])
         return Evaluated(trial, furthest, self._separation(shown, 1), adds)
 
     def separation(self, trial: Planned, steps: int) -> dict[Pair, float]:
@@ -254,4 +255,4 @@ def _contender(rival: Rival) -> Explanation:
     h = rival.fit.hypothesis
     # generic bases describe only their own recordings
     physical = np.array([not free.path.startswith("basis.") for free in h.free])
-    return Explanation(rival.name, without_generic_bases(h), marginal(information(rival.fit), physical))
+    return Explanation(rival.name, without_generic_bases(h), marginal(linearised(rival.fit).information, physical))
