@@ -162,7 +162,9 @@ def test_what_lies_at_reversals_is_no_damaged_tooth(joint):
         problem, h = in_own_units(moved(friction, turns, sway=0.0), joint)
         option = Candidate("tooth_fault", {"order": "1", "kind": "conservative"})
         (screened,) = screen(problem, fit(problem, h), [option])
-        return problem, fit(problem, h.with_effect("tooth_fault", option.options, screened.start), 20)
+        starts = [{**screened.start, "torque": sign * screened.start["torque"]} for sign in (1.0, -1.0)]
+        fits = [fit(problem, h.with_effect("tooth_fault", option.options, start), 20) for start in starts]
+        return problem, min(fits, key=lambda f: f.misfits[0])  # which start does better, another processor decides
 
     def gives_way(time, angle, speed, travel=0.03):  # rad over which a bristle bends (Dahl)
         bent = np.zeros(len(angle))
