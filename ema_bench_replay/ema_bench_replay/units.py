@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from typing import Any
 
 MOTIONS: tuple[str, ...] = ("rotary", "linear")
 """Kinds of motion: rotary (rad, rad/s, N m, kg m²) and linear (m, m/s, N, kg)."""
@@ -83,6 +85,11 @@ def units_of(signal: str, motion: str = "rotary") -> dict[str, float]:
 def signal_unit(signal: str, motion: str = "rotary") -> str:
     """The unit of a signal in recordings."""
     return next(iter(units_of(signal, motion)))
+
+
+def usual_spelling(unit: Any) -> Any:
+    """A unit with its powers as they are written here: rad/s^2 for rad/s2 and rad/s², too. What is no text stays."""
+    return re.sub(r"(?<=[A-Za-z])(?:\^?2|²)", "^2", unit) if isinstance(unit, str) else unit
 
 
 def unit_in(unit: str, motion: str) -> str:
