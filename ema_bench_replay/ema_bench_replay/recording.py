@@ -22,27 +22,7 @@ from ema_bench_replay.long_columns import (
     steps_where,
     times,
 )
-from ema_bench_replay.units import MOTIONS
-
-#: The signals a recording may hold: the float64 fields of `ema_twin_msgs/EmaState`, in its order and in its units.
-SIGNALS: tuple[str, ...] = (
-    "current",  # A, quadrature
-    "current_setpoint",  # A
-    "speed",  # rad/s, fast shaft
-    "speed_setpoint",  # rad/s, fast shaft
-    "motor_position",  # rad, fast shaft, unwrapped
-    "output_position",  # rad, slow shaft
-    "output_command",  # rad, slow shaft
-    "voltage",  # V, quadrature
-    "motor_torque",  # N m
-    "load_torque",  # N m, fast shaft
-    "temperature",  # degree Celsius
-    "direct_current",  # A
-    "phase_current_u",  # A
-    "phase_current_v",  # A
-    "phase_current_w",  # A
-    "unexplained_torque",  # N m, fast shaft; only a twin fills it
-)
+from ema_bench_replay.units import MOTIONS, SIGNALS
 
 #: Signals that may refer to the output shaft. Then the recording's metadata hold "output" under the signal's name + AT.
 AT_EITHER_SHAFT = ("motor_position", "speed", "speed_setpoint", "motor_torque", "load_torque")

@@ -1,8 +1,10 @@
-"""Units of every signal on rotary and linear machines, and conversion factors to SI."""
+"""The signals of a recording, their units on rotary and linear machines, and conversion factors to SI."""
 
 from __future__ import annotations
 
 import math
+import re
+from typing import Any
 
 MOTIONS: tuple[str, ...] = ("rotary", "linear")
 """Kinds of motion: rotary (rad, rad/s, N m, kg m²) and linear (m, m/s, N, kg)."""
@@ -31,18 +33,28 @@ _QUANTITIES: dict[str, tuple[dict[str, float], dict[str, float]]] = {
 }
 """For each quantity (rotary, linear): SI value of each unit. The first unit is the one used in recordings."""
 
-_QUANTITY_OF = {
-    "speed": "speed",
-    "speed_setpoint": "speed",
-    "motor_position": "position",
-    "output_position": "position",
-    "output_command": "position",
-    "voltage": "voltage",
+QUANTITY_OF: dict[str, str] = {
+    "current": "current",  # quadrature
+    "current_setpoint": "current",
+    "speed": "speed",  # fast shaft
+    "speed_setpoint": "speed",  # fast shaft
+    "motor_position": "position",  # fast shaft, unwrapped
+    "output_position": "position",  # slow shaft
+    "output_command": "position",  # slow shaft
+    "voltage": "voltage",  # quadrature
     "motor_torque": "torque",
-    "load_torque": "torque",
-    "unexplained_torque": "torque",
+    "load_torque": "torque",  # fast shaft
     "temperature": "temperature",
+    "direct_current": "current",
+    "phase_current_u": "current",
+    "phase_current_v": "current",
+    "phase_current_w": "current",
+    "unexplained_torque": "torque",  # fast shaft; only a twin fills it
 }
+"""The signals that a recording may hold, and the quantity that each measures: the only list of them in Python. They are
+the float64 fields of `ema_twin_msgs/EmaState`."""
+
+SIGNALS: tuple[str, ...] = tuple(QUANTITY_OF)
 
 ALL_UNITS: dict[str, float] = {
     unit: value for kinds in _QUANTITIES.values() for kind in kinds for unit, value in kind.items()
@@ -67,12 +79,17 @@ _LINEAR = {
 
 def units_of(signal: str, motion: str = "rotary") -> dict[str, float]:
     """The units in which a signal may be given, with their SI values."""
-    return _QUANTITIES[_QUANTITY_OF.get(signal, "current")][MOTIONS.index(motion)]
+    return _QUANTITIES[QUANTITY_OF[signal]][MOTIONS.index(motion)]
 
 
 def signal_unit(signal: str, motion: str = "rotary") -> str:
     """The unit of a signal in recordings."""
     return next(iter(units_of(signal, motion)))
+
+
+def usual_spelling(unit: Any) -> Any:
+    """A unit with its powers as they are written here: rad/s^2 for rad/s2 and rad/s², too. What is no text stays."""
+    return re.sub(r"(?<=[A-Za-z])(?:\^?2|²)", "^2", unit) if isinstance(unit, str) else unit
 
 
 def unit_in(unit: str, motion: str) -> str:

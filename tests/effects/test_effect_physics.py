@@ -33,35 +33,43 @@ POINT = OperatingPoint(
 )
 
 
-@pytest.mark.parametrize(
-    ("id", "p", "expected"),
-    [
-        ("stribeck_friction", (0.08, 2.0), 0.08 * math.exp(-2.0)),
-        ("sun_runout", (0.02, 0.5), 0.02 * math.sin(1.2)),
-        ("quadratic_drag", (1e-3,), -1e-3 * 16.0),
-        ("shear_thinning", (0.4, 8.0), -0.4 * 0.0255 * 4.0 / 12.0),
-        ("thermal_friction", (0.25, 12.0), -0.25 * 0.0255 * (1 - math.exp(-0.25))),
-        ("mesh_friction", (0.1,), 0.008),
-        (
-            "mesh_ripple",
-            (0.02, 0.1, 15.75),
-            0.02 * sum(math.sin(k * (15.75 * 0.7 + 0.1)) / k for k in (1, 3, 5)),
-        ),
-        ("cogging", (0.03, 0.2, 24.0), 0.03 * math.sin(24 * 0.7 + 0.2)),
-        ("torque_ripple", (0.05, 0.2), -0.955 * 0.05 * math.sin(24 * 0.7 + 0.2)),
-        ("phase_short", (0.3, 2.0), -0.955 / 0.9 * 0.1 * math.cos(8 * 0.7 - 8.0 * math.pi / 3.0)),
-        ("rotor_eccentricity", (0.2, 0.5), 0.955 * 0.1 * math.cos(9 * 0.7 + 0.5)),
-        ("current_offset", (0.02, 0.2), 0.02 * math.sin(4 * 0.7 + 0.2)),
-        ("constant_load", (-0.03,), -0.03),
-        ("gravity_load", (0.06, 0.4), 0.06 * math.sin(0.7)),
-        ("spring_load", (0.05,), -0.01),
-        ("tooth_fault", (0.05, 0.7, 1.0), 0.05),
-        ("tooth_fault", (0.05, 0.7 + math.pi, 1.0), 0.0),
-    ],
+EQUATIONS = (
+    ("stribeck_friction", (0.08, 2.0), 0.08 * math.exp(-2.0)),
+    ("sun_runout", (0.02, 0.5), 0.02 * math.sin(1.2)),
+    ("quadratic_drag", (1e-3,), -1e-3 * 16.0),
+    ("shear_thinning", (0.4, 8.0), -0.4 * 0.0255 * 4.0 / 12.0),
+    ("thermal_friction", (0.25, 12.0), -0.25 * 0.0255 * (1 - math.exp(-0.25))),
+    ("mesh_friction", (0.1,), 0.008),
+    (
+        "mesh_ripple",
+        (0.02, 0.1, 15.75),
+        0.02 * sum(math.sin(k * (15.75 * 0.7 + 0.1)) / k for k in (1, 3, 5)),
+    ),
+    ("cogging", (0.03, 0.2, 24.0), 0.03 * math.sin(24 * 0.7 + 0.2)),
+    ("torque_ripple", (0.05, 0.2), -0.955 * 0.05 * math.sin(24 * 0.7 + 0.2)),
+    ("phase_short", (0.3, 2.0), -0.955 / 0.9 * 0.1 * math.cos(8 * 0.7 - 8.0 * math.pi / 3.0)),
+    ("rotor_eccentricity", (0.2, 0.5), 0.955 * 0.1 * math.cos(9 * 0.7 + 0.5)),
+    ("current_offset", (0.02, 0.2), 0.02 * math.sin(4 * 0.7 + 0.2)),
+    ("constant_load", (-0.03,), -0.03),
+    ("gravity_load", (0.06, 0.4), 0.06 * math.sin(0.7)),
+    ("spring_load", (0.05,), -0.01),
+    ("output_ripple", (0.03, 0.2, 2.0), 0.03 * math.sin(2 * 0.3 + 0.2)),
+    ("tooth_fault", (0.05, 0.7, 1.0), 0.05),
+    ("tooth_fault", (0.05, 0.7 + math.pi, 1.0), 0.0),
 )
+"""(effect, parameters, value of ``act`` at POINT): a positive value opposes positive motion."""
+
+
+@pytest.mark.parametrize(("id", "p", "expected"), EQUATIONS)
 def test_the_equations(id, p, expected):
     padded = (*p, *(0.0,) * (4 - len(p)))
     assert catalogue()[id].act(POINT, padded) == pytest.approx(expected, rel=1e-12)
+
+
+def test_every_effect_that_acts_is_in_the_table_of_equations():
+    acting = {id for id, effect in catalogue().items() if effect.act is not None}
+    missing = acting - {id for id, *_ in EQUATIONS}
+    assert missing == set(), "add a line with its value at one point to EQUATIONS"
 
 
 def test_a_tooth_pulse_is_one_tooth_wide_and_passes_as_often_as_its_order():

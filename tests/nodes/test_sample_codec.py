@@ -43,9 +43,10 @@ def test_what_ros_writes_is_read(frame_id, sequence, current):
     assert state.signals == dict.fromkeys(FIELDS, 0.0) | {"current": current}
 
 
-@given(stamps, st.integers(0, 2**32 - 1), st.integers(0, 2**64 - 1), st.lists(floats, min_size=5, max_size=5))
-def test_ros_reads_a_residual(stamp, run, sequence, values):
-    residuals = dict(zip(COMPARED, values, strict=True))
+@given(
+    stamps, st.integers(0, 2**32 - 1), st.integers(0, 2**64 - 1), st.fixed_dictionaries(dict.fromkeys(COMPARED, floats))
+)
+def test_ros_reads_a_residual(stamp, run, sequence, residuals):
     message = deserialize_message(write_residual(stamp, run, sequence, residuals), Residual)
     assert (message.run, message.sequence) == (run, sequence)
     assert message.header.stamp.sec * 10**9 + message.header.stamp.nanosec == stamp

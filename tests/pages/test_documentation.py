@@ -54,6 +54,17 @@ def test_the_readme_names_every_target_of_make_and_every_verb():
 
 
 def test_pages_count_the_effects_of_the_catalogue():
-    pages = [README, *(file.read_text() for file in DOCS.glob("*.md"))]
-    counts = [count for text in pages for count in re.findall(r"catalogue holds (.*?) effects", text)]
-    assert len(counts) == 2 and {*counts} == {str(len(catalogue()))}
+    counted = {
+        str(file.relative_to(DOCS.parent)): count
+        for file in [DOCS.parent / "README.md", *DOCS.glob("*.md")]
+        for count in re.findall(r"catalogue holds (.*?) effects", file.read_text())
+    }
+    assert {*counted} == {"README.md", "docs/tutorial_own_effect.md"}
+    wrong = {page: count for page, count in counted.items() if count != str(len(catalogue()))}
+    assert wrong == {}, f"the catalogue holds {len(catalogue())} effects: correct the number on these pages"
+
+
+def test_the_readme_lists_every_effect_of_the_catalogue():
+    rows = README.partition("| kind | effects |")[2].partition("\n\n")[0]
+    listed = re.findall(r"`(\w+)`", rows)
+    assert sorted(listed) == sorted(catalogue()), "correct README's table of effects"

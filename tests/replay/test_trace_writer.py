@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ema_bench_replay.configuration import find_configuration
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import POINTS, Recording
@@ -135,3 +136,17 @@ def test_a_table_of_points_comes_back(real, tmp_path):
     recording = read_trace(real / "laas_holding_current.csv", laas)
     write_trace(recording, tmp_path / "back.csv", laas)
     assert_same_recording(recording, read_trace(tmp_path / "back.csv", laas))
+
+
+def test_a_column_of_a_whole_name_is_written_so_that_the_same_map_reads_it(tmp_path):
+    """The drive's prefix belongs to the numbers of its parameters."""
+    shipped = find_configuration("maps", "siemens").read_text()
+    own = tmp_path / "own.yaml"
+    own.write_text(f"{shipped}  temperature: {{columns: [winding]}}\n")
+    stamps = np.arange(4) * 2_000_000
+    signals = {"current": np.linspace(0.0, 1.0, 4), "temperature": np.array([20.0, 20.5, 21.0, 21.5])}
+    recording = Recording("run", stamps, signals)
+    write_trace(recording, tmp_path / "run.csv", load_map(own))
+    again = read_trace(tmp_path / "run.csv", load_map(own))
+    assert {*again.signals} == {*signals}
+    assert np.allclose(again.signals["temperature"], signals["temperature"])

@@ -7,7 +7,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import SIGNALS
 from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.traces.trace_csv import read_trace
-from ema_bench_replay.units import MOTIONS, signal_unit, unit_in, units_of
+from ema_bench_replay.units import ALL_UNITS, MOTIONS, signal_unit, unit_in, units_of, usual_spelling
 
 HEAD = "version: 1\nmotion: {motion}\ntime: {{column: t, unit: s}}\nsignals:\n"
 
@@ -23,6 +23,16 @@ def test_every_signal_has_a_unit_that_is_worth_one(motion):
     for signal in SIGNALS:
         assert units_of(signal, motion)[signal_unit(signal, motion)] == 1.0
         assert unit_in(signal_unit(signal), motion) == signal_unit(signal, motion)
+
+
+@pytest.mark.parametrize("unit", ["rad/s2", "rad/s^2", "rad/s²"])
+def test_a_power_may_be_written_in_any_way(unit):
+    assert usual_spelling(unit) == "rad/s^2"
+    assert [usual_spelling(f"kg m{power}/A") for power in ("2", "^2", "²")] == ["kg m^2/A"] * 3
+
+
+def test_other_units_are_spelt_as_they_are():
+    assert [usual_spelling(unit) for unit in ALL_UNITS] == [*ALL_UNITS]
 
 
 def test_a_gain_turns_a_voltage_into_a_force(tmp_path):

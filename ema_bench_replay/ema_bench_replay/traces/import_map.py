@@ -12,7 +12,7 @@ from typing import Any
 from ema_bench_replay.checked_yaml import Checker, read_yaml
 from ema_bench_replay.configuration import find_configuration
 from ema_bench_replay.recording import AT_EITHER_SHAFT, MAY_BE_MAGNITUDES, SIGNALS
-from ema_bench_replay.units import ALL_UNITS, MOTIONS, units_of
+from ema_bench_replay.units import ALL_UNITS, MOTIONS, units_of, usual_spelling
 
 #: Nanoseconds in one of each unit of time.
 TIME_UNITS: dict[str, float] = {"s": 1e9, "ms": 1e6, "us": 1e3, "µs": 1e3, "ns": 1.0}
@@ -70,6 +70,10 @@ class SignalMap:
     less_than: Column | None = None  # the column holds that one minus the signal, in the same unit
     decimals: int | None = None  # of the column when a trace is written; None: as many as needed
     unit: str | None = None  # in which the column is read; None: a counter, or converted by a factor of the map's own
+
+    def finds(self, name: str) -> bool:
+        """Whether a column of that name would be read as this signal."""
+        return any(column.find([name]) for column in self.columns)
 
 
 @dataclass(frozen=True)
@@ -159,7 +163,8 @@ def _signal(check: Checker, name: str, content: Any, motion: str) -> SignalMap:
     if factor == 0.0:
         raise check.error(f"{place}.factor", "is 0", "give another one, or remove the signal")
     is_counter = "counts_per_revolution" in value
-    unit = value.get("unit", next(iter(units_of(name, motion)))) if abs(factor) == 1.0 and not is_counter else None
+    given = usual_spelling(value.get("unit", next(iter(units_of(name, motion)))))
+    unit = given if abs(factor) == 1.0 and not is_counter else None
     for key in ("unit", "gain", "less_than") if is_counter else counter_keys:
         if key in value:
             if is_counter:
@@ -201,7 +206,7 @@ def _decimals(check: Checker, content: Any, place: str) -> int | None:
 def _in_si(check: Checker, value: Mapping[str, Any], place: str, signal: str, motion: str) -> float:
     """SI value of the column's unit; if the column measures another quantity, converted with its ``gain``."""
     allowed = units_of(signal, motion)
-    unit = value.get("unit", next(iter(allowed)))
+    unit = usual_spelling(value.get("unit", next(iter(allowed))))
     if "gain" not in value:
         if unit == "1":  # the column already holds the signal's own unit
             return 1.0
@@ -217,7 +222,7 @@ def _in_si(check: Checker, value: Mapping[str, Any], place: str, signal: str, mo
     possible = {f"{own}/{unit}": size for own, size in allowed.items()}
     return (
         check.number(gain["value"], f"{place}.gain.value")
-        * possible[check.choice(gain["unit"], f"{place}.gain.unit", possible)]
+        * possible[check.choice(usual_spelling(gain["unit"]), f"{place}.gain.unit", possible)]
     )
 
 

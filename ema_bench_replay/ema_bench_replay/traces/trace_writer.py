@@ -73,6 +73,8 @@ def _map_columns(recording: Recording, import_map: ImportMap) -> list[_Column]:
     signals = [signal for signal in import_map.signals if signal.signal in recording.signals]
     for index, signal in enumerate(signals):
         name = import_map.column_name.format(index=index, column=signal.write_as)
+        if not signal.finds(name) and signal.finds(signal.write_as):
+            name = signal.write_as  # a column given by its whole name has nothing before it
         values = _values(recording, import_map, signal.signal, {})
         columns.append(_column(name, values, _decimals(values, 0) if signal.decimals is None else signal.decimals))
     return columns

@@ -12,6 +12,7 @@ import numpy as np
 
 from ema_bench_replay.long_columns import divided, shifted, slopes, times
 from ema_bench_replay.recording import Recording
+from ema_bench_replay.units import signal_unit
 
 from ..measured.consistency import Inconsistency, inconsistencies, told_once
 from ..measured.noise import noise_of
@@ -37,7 +38,7 @@ MIXED = "mixed"
 
 Signals = dict[str, SignalError]
 
-_UNITS = UNITS | {"motor_torque": "N m"}
+_UNITS = UNITS | {"motor_torque": signal_unit("motor_torque")}
 """Signals traced to a place, including the drive's torque if there is no current."""
 
 

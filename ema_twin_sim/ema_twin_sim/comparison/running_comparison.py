@@ -10,21 +10,16 @@ from typing import TypedDict
 import numpy as np
 
 from ema_bench_replay.long_columns import by_pieces, pieces, times
+from ema_bench_replay.units import signal_unit
 
 from ..criteria import NOISY
 from ..model import Model
-from ..simulation.sensor_noise import noise_floors
+from ..simulation.sensor_noise import COMPARED, noise_floors
 from ..simulation.simulate import BY_MOTOR, POINTWISE
 from .beyond_noise import told_share
 from .independent_rows import independent_rows
 
-UNITS: dict[str, str] = {
-    "current": "A",
-    "speed": "rad/s",
-    "motor_position": "rad",
-    "output_position": "rad",
-    "unexplained_torque": "N m",
-}
+UNITS: dict[str, str] = {name: signal_unit(name) for name in COMPARED}
 """The compared signals and their units; a residual is measured minus twin."""
 
 DRIVEN: dict[str, tuple[str, ...]] = {
@@ -62,7 +57,7 @@ def share_removed(before: float, after: float, noise_floor: float) -> float | No
 
 
 class RunningComparison:
-    """Root-mean-square residuals of the five compared signals, over the run and over the last ``window`` seconds.
+    """Root-mean-square residuals of the compared signals, over the run and over the last ``window`` seconds.
 
     Samples come one by one (``add``) or as arrays (``add_rows``); a sample that is NaN on either side does not count
     for that signal. The window is counted in samples of ``period`` [s], by default the model's; if samples come with

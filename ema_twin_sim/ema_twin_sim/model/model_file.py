@@ -24,7 +24,7 @@ from ema_bench_replay.checked_yaml import Checker, parse_yaml, read_yaml
 from ema_bench_replay.configuration import find_configuration
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.outputs import write_text
-from ema_bench_replay.units import MOTIONS, unit_in
+from ema_bench_replay.units import MOTIONS, unit_in, usual_spelling
 
 from ..effects import find_effect
 from .check_comment import REMEDIES, check_comment, is_assumed
@@ -237,7 +237,7 @@ def _constant(check: Checker, constant: Constant, content: object, place: str, m
     unit = unit_in(constant.unit, motion)
     shaft = ("shaft",) if constant.path == TORQUE_CONSTANT else ()
     entry = check.mapping(content, place, ("value", "unit", "tolerance", "source", *shaft), required=("value", "unit"))
-    if str(entry["unit"]) != unit:
+    if usual_spelling(str(entry["unit"])) != unit:
         raise check.error(place, f"unit '{entry['unit']}' but '{unit}' is needed", "convert the value")
     place = f"{check.path}: {place}"
     value = check_range(entry["value"], constant.lower, constant.upper, unit, place)

@@ -24,7 +24,7 @@ from .drive import lag_gain
 from .driven_output import driven_output
 from .evaluate import evaluate
 from .friction import bristle_share, held_by_dry_friction, rubbing
-from .layout import CURRENT_IN, LOAD_IN, MOTOR_POSITION_IN, MOTOR_POSITION_OUT, SPEED_IN, UNEXPLAINED_OUT
+from .layout import CURRENT_IN, LOAD_IN, MOTOR_POSITION_IN, OUT, SPEED_IN
 from .operating_point import OperatingPoint, changed
 from .transmission import end_stop_torque
 
@@ -219,8 +219,8 @@ def estimate(plant, state, effects, time, stamps, bench, twin, step):
     for row in range(1, stamps.shape[0]):
         interval = (stamps[row] - stamps[row - 1]) * 1e-9
         time += interval
-        twin[row, UNEXPLAINED_OUT] = _unexplained(
-            plant, state, effects, bench[row - 1], bench[row], twin[row, MOTOR_POSITION_OUT], interval, time, step
+        twin[row, OUT.unexplained_torque] = _unexplained(
+            plant, state, effects, bench[row - 1], bench[row], twin[row, OUT.motor_position], interval, time, step
         )
 
 

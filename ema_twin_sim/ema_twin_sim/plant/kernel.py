@@ -33,11 +33,8 @@ from .layout import (
     COMMAND_IN,
     CURRENT,
     CURRENT_IN,
-    DIRECT_CURRENT_OUT,
     LOAD_IN,
-    PHASE_U_OUT,
-    PHASE_V_OUT,
-    PHASE_W_OUT,
+    OUT,
     SETPOINT,
     SETPOINT_IN,
     STANDALONE_SPEED,
@@ -47,7 +44,7 @@ from .planetary.layout import TURN
 from .planetary.mesh_state import follow_meshes, read_friction
 from .planetary.train import train_step
 from .planetary.train_constants import train_constants
-from .row import write_row
+from .row import Moment, write_row
 from .sensors import remember
 from .signatures import EFFECTS, FINE, PLANTS, STAMPS, STATES, TABLE
 from .switching.electrical_angle import sine_and_cosine, turned
@@ -394,17 +391,26 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
             time += interval
 
             if record:
-                write_row(
-                    twin[row], bench[row], by_current, plant, state, phase, angle, output_angle, smoothed, setpoint,
-                    current, current_setpoint,
-                    voltage if by_inverter else quadrature_voltage(plant, speed, current, current_rate),
-                    drive_torque, transmitted,
-                )  # fmt: skip
+                at_sample = Moment(
+                    phase=phase,
+                    angle=angle,
+                    speed=speed,
+                    acceleration=acceleration,
+                    output_angle=output_angle,
+                    smoothed_speed=smoothed,
+                    speed_setpoint=setpoint,
+                    current=current,
+                    current_setpoint=current_setpoint,
+                    voltage=voltage if by_inverter else quadrature_voltage(plant, speed, current, current_rate),
+                    torque=drive_torque,
+                    transmitted=transmitted,
+                )
+                write_row(twin[row], bench[row], by_current, plant, state, at_sample)
                 if by_inverter:
-                    twin[row, DIRECT_CURRENT_OUT] = direct_current
-                    twin[row, PHASE_U_OUT] = current_u
-                    twin[row, PHASE_V_OUT] = current_v
-                    twin[row, PHASE_W_OUT] = current_w
+                    twin[row, OUT.direct_current] = direct_current
+                    twin[row, OUT.phase_current_u] = current_u
+                    twin[row, OUT.phase_current_v] = current_v
+                    twin[row, OUT.phase_current_w] = current_w
 
         if record:
             estimate(plant, state, balanced, state.time, stamps, bench, twin, step)

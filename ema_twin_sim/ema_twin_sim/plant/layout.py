@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections import namedtuple
+from typing import Any, NamedTuple
 
 import numpy as np
+
+from ema_bench_replay.units import SIGNALS
 
 ANGLE_ERRORS = 8
 """Maximum waves in the output encoder's error: a resolver has orders 1, 2 and its pole pairs."""
@@ -118,41 +121,11 @@ BENCH = ("output_command", "speed_setpoint", "current", "speed", "motor_position
 output."""
 COMMAND_IN, SETPOINT_IN, CURRENT_IN, SPEED_IN, MOTOR_POSITION_IN, LOAD_IN = range(6)
 
-TWIN = (
-    "current",
-    "current_setpoint",
-    "speed",
-    "speed_setpoint",
-    "motor_position",
-    "output_position",
-    "output_command",
-    "voltage",
-    "motor_torque",
-    "load_torque",
-    "unexplained_torque",
-    "direct_current",
-    "phase_current_u",
-    "phase_current_v",
-    "phase_current_w",
-)
-"""Columns of a twin sample that the kernel writes: the bench's signals, through the same sensors."""
-(
-    CURRENT_OUT,
-    CURRENT_SETPOINT_OUT,
-    SPEED_OUT,
-    SETPOINT_OUT,
-    MOTOR_POSITION_OUT,
-    OUTPUT_POSITION_OUT,
-    COMMAND_OUT,
-    VOLTAGE_OUT,
-    MOTOR_TORQUE_OUT,
-    LOAD_TORQUE_OUT,
-    UNEXPLAINED_OUT,
-    DIRECT_CURRENT_OUT,
-    PHASE_U_OUT,
-    PHASE_V_OUT,
-    PHASE_W_OUT,
-) = range(len(TWIN))
+TWIN = tuple(name for name in SIGNALS if name != "temperature")
+"""Columns of a twin sample: the bench's signals, through the same sensors (no twin computes the temperature). Those
+that ``row.py`` does not write stay NaN."""
+OUT: Any = namedtuple("OUT", TWIN)(*range(len(TWIN)))
+"""The column of each signal: ``OUT.current``."""
 
 TORQUE, DRY_LEVEL, OUTPUT_TORQUE, VISCOUS_COEFFICIENT = range(4)
 """Target of an effect's value: a torque on the motor, a dry friction level on the motor, a torque on the output, a

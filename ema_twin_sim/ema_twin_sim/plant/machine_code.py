@@ -20,6 +20,8 @@ if not _measures_coverage:
 import numba  # noqa: E402
 from numba.core import caching  # noqa: E402
 
+from ema_bench_replay.units import SIGNALS  # noqa: E402
+
 if not _measures_coverage:
     del sys.modules["coverage"]
 
@@ -68,5 +70,6 @@ def folder() -> Path:
     here = Path(__file__).parent
     for source in sorted([*here.rglob("*.py"), *(here.parent / name for name in COMPILED_OUTSIDE)]):
         content.update(source.read_bytes())
+    content.update(" ".join(SIGNALS).encode())  # the columns of a twin sample
     base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     return base / "ema-twin" / content.hexdigest()[:16]

@@ -15,7 +15,7 @@ from .compiled import inlined
 from .drive import lag_gain, quadrature_voltage, speed_controller
 from .friction import bristle_share, bristle_step
 from .layout import CURRENT, CURRENT_IN, LOAD_IN, SETPOINT_IN
-from .row import write_row
+from .row import Moment, write_row
 from .sensors import remember
 from .signatures import PLANTS, STAMPS, STATES
 from .time_steps import step_in_cycle, steps_in
@@ -191,6 +191,7 @@ def _with_current(lanes, m):
 @inlined
 def _with_motor(lanes, m, h, before, speed):
     """Advance a motor by a step."""
+    lanes[SPEED_BEFORE + m] = before
     lanes[SPEED + m] = speed
     lanes[ANGLE + m] = lanes[ANGLE + m] + 0.5 * h * before + 0.5 * h * speed
     lanes[SMOOTHED + m] += lanes[SMOOTHING_GAIN + m] * (0.5 * (before + speed) - lanes[SMOOTHED + m])
@@ -204,7 +205,6 @@ def _rigid_step(lanes, h, load):
         speed = shaft_speed(
             before, torque - load, lanes[DRY + m], lanes[BREAK_AWAY + m], lanes[GAIN + m], lanes[DRAG + m]
         )
-        lanes[SPEED_BEFORE + m] = before
         _with_motor(lanes, m, h, before, speed)
 
 
@@ -324,12 +324,21 @@ def advance_many(plants, states, source, stamps, bench, twins, step):
             angle = lanes[ANGLE + m]
             output_angle = angle if rigid else lanes[OUTPUT_ANGLE + m]
             transmitted = lanes[TRANSMITTED + m]
+            acceleration = (speed - lanes[SPEED_BEFORE + m]) * per_step
             if rigid:
-                acceleration = (speed - lanes[SPEED_BEFORE + m]) * per_step
                 transmitted = passed_rigidly(plant, acceleration, speed, load)
-            write_row(
-                twins[m, row], bench[row], by_current, plant, state, phase, angle, output_angle, lanes[SMOOTHED + m],
-                setpoint, current, lanes[AMPERES_WANTED + m],
-                quadrature_voltage(plant, speed, current, lanes[CHANGE + m] * per_step),
-                plant.torque_constant * current, transmitted,
-            )  # fmt: skip
+            at = Moment(
+                phase=phase,
+                angle=angle,
+                speed=speed,
+                acceleration=acceleration,
+                output_angle=output_angle,
+                smoothed_speed=lanes[SMOOTHED + m],
+                speed_setpoint=setpoint,
+                current=current,
+                current_setpoint=lanes[AMPERES_WANTED + m],
+                voltage=quadrature_voltage(plant, speed, current, lanes[CHANGE + m] * per_step),
+                torque=plant.torque_constant * current,
+                transmitted=transmitted,
+            )
+            write_row(twins[m, row], bench[row], by_current, plant, state, at)

@@ -1,53 +1,60 @@
 """One sample of a twin, as seen by the bench's sensors."""
 
 import math
+from typing import NamedTuple
 
 from .compiled import inlined
-from .layout import (
-    COMMAND_IN,
-    COMMAND_OUT,
-    CURRENT_IN,
-    CURRENT_OUT,
-    CURRENT_SETPOINT_OUT,
-    DIRECT_CURRENT_OUT,
-    LOAD_TORQUE_OUT,
-    MOTOR_POSITION_OUT,
-    MOTOR_TORQUE_OUT,
-    OUTPUT_POSITION_OUT,
-    PHASE_U_OUT,
-    PHASE_V_OUT,
-    PHASE_W_OUT,
-    SETPOINT_OUT,
-    SPEED_OUT,
-    UNEXPLAINED_OUT,
-    VOLTAGE_OUT,
-)
+from .layout import COMMAND_IN, CURRENT_IN, OUT
 from .sensors import counted, shown
 
 
-@inlined
-def write_row(
-    row, bench, by_current, plant, state, phase, angle, output_angle, smoothed, setpoint, current, current_setpoint,
-    voltage, torque, transmitted,
-):  # fmt: skip
-    """Fill a twin's sample ``row`` (signals,) for the bench's (6,); signals unknown to an averaged drive are NaN.
+class Moment(NamedTuple):
+    """What a loop knows of the twin at a sample, SI at the fast shaft."""
 
-    ``phase`` [s] is the time since the last control cycle began; ``by_current``: the measured current drives the twin.
+    phase: float
+    """s since the last control cycle began"""
+    angle: float
+    speed: float
+    acceleration: float
+    output_angle: float
+    smoothed_speed: float
+    speed_setpoint: float
+    current: float
+    current_setpoint: float
+    voltage: float
+    torque: float
+    """of the motor"""
+    transmitted: float
+    """torque"""
+
+
+@inlined
+def write_row(row, bench, by_current, plant, state, at):
+    """Fill a twin's sample ``row`` (signals,) at a ``Moment`` for the bench's (6,).
+
+    ``by_current``: the measured current drives the twin.
     """
-    row[CURRENT_OUT] = bench[CURRENT_IN] if by_current else current
-    row[CURRENT_SETPOINT_OUT] = math.nan if by_current else current_setpoint
-    row[SPEED_OUT] = smoothed
-    row[SETPOINT_OUT] = math.nan if by_current else setpoint
-    row[MOTOR_POSITION_OUT] = counted(angle, plant.motor_counts)
-    row[OUTPUT_POSITION_OUT] = counted(
-        shown(plant, state, output_angle, phase) - state.encoder_zero, plant.output_counts
-    )
-    row[COMMAND_OUT] = bench[COMMAND_IN]
-    row[VOLTAGE_OUT] = voltage
-    row[MOTOR_TORQUE_OUT] = torque
-    row[LOAD_TORQUE_OUT] = transmitted
-    row[UNEXPLAINED_OUT] = math.nan
-    row[DIRECT_CURRENT_OUT] = math.nan
-    row[PHASE_U_OUT] = math.nan
-    row[PHASE_V_OUT] = math.nan
-    row[PHASE_W_OUT] = math.nan
+    write_signals(
+        row, bench, by_current, at, counted(at.angle, plant.motor_counts),
+        counted(shown(plant, state, at.output_angle, at.phase) - state.encoder_zero, plant.output_counts),
+    )  # fmt: skip
+
+
+@inlined
+def write_signals(row, bench, by_current, at, motor_position, output_position):
+    """As ``write_row``, with the positions as the encoders show them; signals unknown to an averaged drive are NaN."""
+    row[OUT.current] = bench[CURRENT_IN] if by_current else at.current
+    row[OUT.current_setpoint] = math.nan if by_current else at.current_setpoint
+    row[OUT.speed] = at.smoothed_speed
+    row[OUT.speed_setpoint] = math.nan if by_current else at.speed_setpoint
+    row[OUT.motor_position] = motor_position
+    row[OUT.output_position] = output_position
+    row[OUT.output_command] = bench[COMMAND_IN]
+    row[OUT.voltage] = at.voltage
+    row[OUT.motor_torque] = at.torque
+    row[OUT.load_torque] = at.transmitted
+    row[OUT.unexplained_torque] = math.nan
+    row[OUT.direct_current] = math.nan
+    row[OUT.phase_current_u] = math.nan
+    row[OUT.phase_current_v] = math.nan
+    row[OUT.phase_current_w] = math.nan

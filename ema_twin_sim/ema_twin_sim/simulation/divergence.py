@@ -9,7 +9,7 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 
-from ..plant.layout import TWIN, Fine
+from ..plant.layout import OUT, Fine
 from ..plant.planetary.layout import PLANETS, ROW
 from .fidelity import FineParts
 
@@ -19,7 +19,6 @@ _MOST_CURRENT = 1e7
 """A."""
 _MOST_BENT = 1e7
 """rad, bristle deflection."""
-_CURRENT, _SPEED = TWIN.index("current"), TWIN.index("speed")
 _RESOLUTION = 500
 """ns, accuracy of the time found."""
 
@@ -54,7 +53,7 @@ def states_of(state: np.ndarray, fine: Fine, parts: FineParts) -> States:
 
 def looks_lost(row: np.ndarray) -> bool:
     """Whether a twin's sample (signals,) is out of bounds: divergence of any state soon shows in the motor's."""
-    return not (abs(row[_CURRENT]) <= _MOST_CURRENT and abs(row[_SPEED]) <= _FASTEST)
+    return not (abs(row[OUT.current]) <= _MOST_CURRENT and abs(row[OUT.speed]) <= _FASTEST)
 
 
 def is_lost(states: States) -> bool:

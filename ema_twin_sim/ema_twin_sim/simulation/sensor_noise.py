@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -14,8 +15,44 @@ from .assembly import assemble
 _SETTLED = 400  # samples after which one sample's noise has decayed in the balance's filters
 
 
+class _Sensors:
+    """What a model's sensors add to a sample, SI."""
+
+    def __init__(self, model: Model, has_speed: bool, period: float) -> None:
+        self.model, self.has_speed, self.period = model, has_speed, period
+        self.current = model.value("sensors.current_noise")
+        self.speed = model.value("sensors.speed_noise")
+        integrator = self.current * model.value("machine.torque_constant")
+        if model.value("drive.integral_limit") == 0.0:  # without an integrator there is no such lag
+            integrator = 0.0
+        lag = integrator * model.value("drive.integral_time") / max(model.value("drive.speed_gain"), 1e-12)
+        self.lag = {"motor": lag, "output": lag / model.value("machine.gear_ratio")}
+
+    def position(self, side: str) -> float:
+        """Noise of a position: of two samples of its counter, of the twin's, and the lag."""
+        one = counter_noise(self.model, side)
+        both = math.hypot(math.sqrt(2.0) * one, _count(self.model, side) / math.sqrt(12.0))
+        return math.hypot(both, self.lag[side])
+
+    def balance(self) -> float:
+        """Noise of the unexplained torque."""
+        motion = self.speed if self.has_speed else counter_noise(self.model, "motor")
+        return _balance_noise(self.model, self.current, motion, self.has_speed, self.period)
+
+
+_FLOORS: dict[str, Callable[[_Sensors], float]] = {
+    "current": lambda sensors: sensors.current,
+    "speed": lambda sensors: sensors.speed,
+    "motor_position": lambda sensors: sensors.position("motor"),
+    "output_position": lambda sensors: sensors.position("output"),
+    "unexplained_torque": lambda sensors: sensors.balance(),
+}
+COMPARED: tuple[str, ...] = tuple(_FLOORS)
+"""The signals in which a twin is compared with its bench: those whose noise floor is known."""
+
+
 def noise_floors(model: Model, *, has_speed: bool = True, period: float | None = None) -> dict[str, float]:
-    """RMSE per signal that remains if the twin is correct, SI.
+    """RMSE per compared signal that remains if the twin is correct, SI.
 
     Current and speed: their sensors' white noise. Positions: the counter's noise and quantisation twice, since they
     count from one noisy first sample; the twin's own quantisation; and a lasting lag of the speed loop caused by the
@@ -23,22 +60,8 @@ def noise_floors(model: Model, *, has_speed: bool = True, period: float | None =
     and speed (or, if ``has_speed`` is false, of the motor counter used instead) through the filters of
     ``plant.balance`` at a sample ``period`` [s] (by default the model's).
     """
-    current = model.value("sensors.current_noise")
-    speed = model.value("sensors.speed_noise")
-    one = {side: counter_noise(model, side) for side in ("motor", "output")}
-    counter = {side: math.hypot(math.sqrt(2.0) * one[side], _count(model, side) / math.sqrt(12.0)) for side in one}
-    integrator = current * model.value("machine.torque_constant")
-    if model.value("drive.integral_limit") == 0.0:  # without an integrator there is no such lag
-        integrator = 0.0
-    lag = integrator * model.value("drive.integral_time") / max(model.value("drive.speed_gain"), 1e-12)
-    period = period or model.value("sensors.sample_period")
-    return {
-        "current": current,
-        "speed": speed,
-        "motor_position": math.hypot(counter["motor"], lag),
-        "output_position": math.hypot(counter["output"], lag / model.value("machine.gear_ratio")),
-        "unexplained_torque": _balance_noise(model, current, speed if has_speed else one["motor"], has_speed, period),
-    }
+    sensors = _Sensors(model, has_speed, period or model.value("sensors.sample_period"))
+    return {name: floor(sensors) for name, floor in _FLOORS.items()}
 
 
 def counter_noise(model: Model, side: str) -> float:

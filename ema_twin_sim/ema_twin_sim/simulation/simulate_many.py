@@ -11,7 +11,7 @@ from ema_bench_replay.recording import Recording
 
 from ..model import Model
 from ..parallel import simulations
-from ..plant.layout import BENCH, CURRENT, SETPOINT, TWIN, UNEXPLAINED_OUT
+from ..plant.layout import BENCH, CURRENT, OUT, SETPOINT, TWIN
 from ..plant.many import LANE, advance_many
 from .divergence import looks_lost
 from .simulate import BY_MOTOR, POINTWISE, bench_of, choose_input, followed, seen, simulate, started
@@ -64,7 +64,7 @@ def simulate_many(
         """Rows of one that diverged: run again by itself to report when and in which state, or to be brought back."""
         whole = bench_of(recording)
         rows = followed(started(model, recording, whole, chosen, step), recording, whole)
-        rows[:, UNEXPLAINED_OUT] = math.nan
+        rows[:, OUT.unexplained_torque] = math.nan
         return rows
 
     list(simulations(run, jobs))

@@ -18,34 +18,23 @@ from ..plant.kernel import kernel
 from ..plant.layout import (
     BENCH,
     COMMAND_IN,
-    COMMAND_OUT,
     CURRENT,
     CURRENT_IN,
-    CURRENT_OUT,
-    CURRENT_SETPOINT_OUT,
-    DIRECT_CURRENT_OUT,
     ENCODER_MEMORY,
     INPUTS,
     LOAD_IN,
-    LOAD_TORQUE_OUT,
     MOTOR_POSITION_IN,
-    MOTOR_POSITION_OUT,
-    MOTOR_TORQUE_OUT,
-    OUTPUT_POSITION_OUT,
-    PHASE_U_OUT,
-    PHASE_W_OUT,
+    OUT,
     SETPOINT,
     SETPOINT_IN,
-    SETPOINT_OUT,
     SPEED_IN,
-    SPEED_OUT,
     STANDALONE,
     STANDALONE_SPEED,
     STATE,
     TWIN,
-    VOLTAGE_OUT,
     Fine,
 )
+from ..plant.row import Moment, write_signals
 from ..plant.sensors import shown
 from .angle_origins import angle_origins
 from .assembly import Assembly, assemble
@@ -339,23 +328,29 @@ def first_row(
 
     ``winding`` is the state (1,) of the winding if one is simulated.
     """
-    held = state[0]
+    held, constants = state[0], plant[0]
+    of_motion = constants["back_emf_constant"] * held["motor_speed"]
+    at = Moment(
+        phase=held["control_phase"],
+        angle=held["motor_angle"],
+        speed=held["motor_speed"],
+        acceleration=held["acceleration"],
+        output_angle=held["output_angle"],
+        smoothed_speed=held["smoothed_speed"],
+        speed_setpoint=held["speed_setpoint"],
+        current=held["current"],
+        current_setpoint=held["current_setpoint"],
+        voltage=of_motion + constants["phase_resistance"] * held["current"],
+        torque=constants["torque_constant"] * held["current"],
+        transmitted=0.0,
+    )
     row = np.full(len(TWIN), math.nan)
-    row[MOTOR_POSITION_OUT] = row[OUTPUT_POSITION_OUT] = row[LOAD_TORQUE_OUT] = 0.0
-    row[CURRENT_OUT] = bench[CURRENT_IN] if source == CURRENT else held["current"]
-    if source != CURRENT:
-        row[CURRENT_SETPOINT_OUT] = held["current_setpoint"]
-        row[SETPOINT_OUT] = held["speed_setpoint"]
-    row[SPEED_OUT] = held["smoothed_speed"]
-    row[COMMAND_OUT] = bench[COMMAND_IN]
-    row[MOTOR_TORQUE_OUT] = plant["torque_constant"][0] * held["current"]
-    if winding is None:
-        of_motion = plant["back_emf_constant"][0] * held["motor_speed"]
-        row[VOLTAGE_OUT] = of_motion + plant["phase_resistance"][0] * held["current"]
-    else:
-        row[VOLTAGE_OUT] = winding["quadrature_voltage"][0]
-        row[DIRECT_CURRENT_OUT] = winding["direct_current"][0]
-        row[PHASE_U_OUT : PHASE_W_OUT + 1] = [winding[f"phase_current_{phase}"][0] for phase in "uvw"]
+    write_signals.py_func(row, bench, source == CURRENT, at, 0.0, 0.0)
+    if winding is not None:
+        row[OUT.voltage] = winding["quadrature_voltage"][0]
+        row[OUT.direct_current] = winding["direct_current"][0]
+        for phase in "uvw":
+            row[getattr(OUT, f"phase_current_{phase}")] = winding[f"phase_current_{phase}"][0]
     return row
 
 

@@ -16,7 +16,11 @@ from .dc_link_check import refuse_command_beyond_link
 from .simulate import refuse_without_speed_controller
 from .twin import Twin
 
-_OF_THE_TWIN = ("motor_torque", "load_torque", "unexplained_torque")
+_RECORDED = (
+    *("current", "current_setpoint", "speed", "speed_setpoint", "motor_position", "output_position", "output_command"),
+    *("voltage", "direct_current", "phase_current_u", "phase_current_v", "phase_current_w"),
+)
+"""Signals of which the bench has a sensor, or which its drive tells."""
 
 
 def virtual_bench(
@@ -50,9 +54,7 @@ def virtual_bench(
     twin = Twin(model, "standalone_speed" if command.speed else "standalone", step=step)
     twin.start({column: bench[0, BENCH.index(column)]}, *origins)
     rows = twin.follow(stamps, bench)
-    signals = {
-        name: rows[:, k] for k, name in enumerate(TWIN) if name not in _OF_THE_TWIN and not np.isnan(rows[1:, k]).all()
-    }
+    signals = {name: rows[:, k] for k, name in enumerate(TWIN) if name in _RECORDED and not np.isnan(rows[1:, k]).all()}
     if seed is not None:
         signals = with_noise(signals, model, seed)
     motion = {} if model.motion == "rotary" else {MOTION: model.motion}

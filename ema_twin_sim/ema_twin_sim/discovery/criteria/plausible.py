@@ -68,6 +68,9 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
     * With open constants no shape may end on its bound, no share may be one that its effect's file calls impossible
       for any machine, and an effect over a shaft angle must show away from standstill.
 
+    An uncertain shape alone is no reason: size and shape may trade off while their joint action is well known (see
+    ``_sureness``).
+
     If two effects can replace each other, the later one goes first, because it explains less.
     """
     away = {}
