@@ -20,7 +20,7 @@ from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
 from ..quantities import quantity
-from .drive_regression import signs_of_drive, torque_over_inertia
+from .drive_regression import sign_of_drive, torque_over_inertia
 from .load_sensor import falls_with_load
 from .signal_factors import DEGREES, usual_mistake, wrong_factors
 from .way_by_speed import standing_position
@@ -82,7 +82,7 @@ def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recordi
     yield from _by_load(recording)
     yield from _by_limit(recording, model)
     yield from _by_noise(recording, model, beside)
-    yield from _by_inertia(recording, model)
+    yield from _by_inertia(recording, model, beside)
 
 
 def _by_factor(recording: Recording, model: Model, beside: Sequence[Recording]) -> Iterator[Inconsistency]:
@@ -178,11 +178,11 @@ def _share_of_noise(recording: Recording, model: Model) -> float:
     return math.sqrt(float(np.nanmean(recording.signals["current"] ** 2))) / noise
 
 
-def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
+def _by_inertia(recording: Recording, model: Model, beside: Sequence[Recording]) -> Iterator[Inconsistency]:
     """Whether the current accelerates the machine as its inertia and loads require, if these are known."""
     parts = [model.constants[f"machine.{part}_inertia"] for part in ("motor", "gearbox", "output")]
     if any(math.isinf(part.tolerance) for part in (*parts, model.constants["machine.torque_constant"])):
-        yield from _by_friction(recording, model)
+        yield from _by_friction(recording, model, beside)
         return
     factor = torque_over_inertia(recording, model)
     if factor is None:
@@ -204,9 +204,12 @@ def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
     )
 
 
-def _by_friction(recording: Recording, model: Model) -> Iterator[Inconsistency]:
-    """Whether the current works against inertia and friction, of whatever size, and not with them."""
-    if -1 in signs_of_drive(recording, model):
+def _by_friction(recording: Recording, model: Model, beside: Sequence[Recording]) -> Iterator[Inconsistency]:
+    """Whether the current works against inertia and friction, of whatever size, and not with them.
+
+    One map reads all recordings ``beside`` this one, so the sign is undecided if any of them tells the other.
+    """
+    if sign_of_drive(recording, model) < 0 and not any(sign_of_drive(other, model) > 0 for other in beside):
         yield Inconsistency(
             recording.name,
             "the current pushes against inertia and friction, as if its sign were turned round",
