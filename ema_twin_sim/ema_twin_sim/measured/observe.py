@@ -18,8 +18,8 @@ from ema_bench_replay.recording import Recording
 from ..criteria import CHAOTIC, CORRELATION, COUNTED, LEAST_ROWS, NEGLIGIBLE, SHAKEN, STANDSTILL, THROWN
 from ..model import Model
 from ..model.own_units import shown
-from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
-from ..reading_noise import reading_noise
+from ..plant.measured_motion import ACCELERATION, LOAD, MOTOR_ANGLE, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
+from ..reading_noise import noise_at_points, reading_noise
 from ..simulation.angle_origins import origins_of
 from ..simulation.operating_points import FEWEST as FEWEST_POINTS
 from ..simulation.operating_points import doubled, motion_at_points
@@ -143,7 +143,8 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
     count = len(motion)
     constant = model.value("machine.torque_constant")
     torque = constant * motion[:, MOTOR_CURRENT]
-    noise = model.value("sensors.current_noise") or reading_noise(motion[:, MOTOR_CURRENT])
+    depended_on = [motion[:, column] for column in (MOTOR_ANGLE, SPEED, LOAD)]
+    noise = model.value("sensors.current_noise") or noise_at_points(motion[:, MOTOR_CURRENT], depended_on)
     nowhere = np.zeros(0)
     motor_origin, output_origin = origins_of(recording, model)
     return Observation(
