@@ -52,7 +52,7 @@ def signs_of_drive(recording: Recording, model: Model) -> Iterator[int]:
     torque reversed that brings energy into the machine as it is read: a passive one takes energy in.
     """
     ratio = model.value("machine.gear_ratio")
-    for _, seen in _pieces(recording, model):
+    for _, seen in pieces_in_motion(recording, model):
         speed, place = (seen.motion[seen.rows, column] for column in (SPEED, MOTOR_ANGLE))
         loads = np.stack([np.ones(len(speed)), place, np.sin(place / ratio), np.cos(place / ratio)], axis=1)
         if recording.has("load_torque"):  # which may drive the machine
@@ -100,7 +100,7 @@ def torque_over_inertia(recording: Recording, model: Model) -> float | None:
     """Measured torque over what the model's inertia and loads need; None if no piece of the recording tells."""
     motor, output = origins_of(recording, model)  # unknown origins are zero for the whole recording, not for each piece
     recording = replace(recording, motor_angle_origin=motor, output_angle_origin=output)
-    factors = (_over_inertia(piece, seen, model) for piece, seen in _pieces(recording, model))
+    factors = (_over_inertia(piece, seen, model) for piece, seen in pieces_in_motion(recording, model))
     return next((factor for factor in factors if factor is not None), None)
 
 
@@ -137,7 +137,7 @@ def _load(recording: Recording, model: Model, seen: Observation) -> np.ndarray:
     return load
 
 
-def _pieces(recording: Recording, model: Model) -> Iterator[tuple[Recording, Observation]]:
+def pieces_in_motion(recording: Recording, model: Model) -> Iterator[tuple[Recording, Observation]]:
     """The pieces of a recording that show a motion, and what is observed in them."""
     for start in PIECE * np.unique(recording.time // PIECE):
         with suppress(InputError):  # whatever needs the motion will report this
