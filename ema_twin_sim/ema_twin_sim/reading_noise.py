@@ -7,6 +7,12 @@ from itertools import permutations
 
 import numpy as np
 
+from .criteria import CLEARLY_MORE
+
+SEGMENT = 128  # samples whose spectrum is taken at once
+FEWEST_SEGMENTS = 8  # with half of each shared with the next: fewer have no median
+STRETCH = 0.25  # of the frequencies, over which a spectrum is averaged
+
 
 def reading_noise(values: np.ndarray) -> float:
     """Standard deviation of the white noise on a smooth signal (n,), by its third differences, robustly."""
@@ -22,6 +28,40 @@ def polled_noise(values: np.ndarray) -> float:
     If most third differences are therefore zero, only readings that differ from the one before are used.
     """
     return reading_noise(values) or reading_noise(values[1:][np.diff(values) != 0.0])
+
+
+def beside_fast_signal(noise: float, values: np.ndarray) -> float:
+    """The ``noise`` that third differences of a signal (n,) tell, or less if they took a fast signal for it.
+
+    They take for noise what changes from sample to sample. Where they tell about as much as the whole signal, its
+    spectrum is looked at, in the frequencies and at the times at which it is quietest: a signal is not everywhere.
+    """
+    if not drowns(noise, values):
+        return noise
+    quietest = _quietest(values)
+    return quietest if 0.0 < quietest * CLEARLY_MORE < noise else noise
+
+
+def drowns(noise: float, values: np.ndarray) -> bool:
+    """Whether a ``noise`` is about as large as all changes of a signal (n,), so that it may be the signal itself."""
+    return noise > 0.0 and len(values) > 0 and noise * CLEARLY_MORE > float(np.std(values))
+
+
+def _quietest(values: np.ndarray) -> float:
+    """Standard deviation of the white noise whose spectrum is that of the quietest frequencies; 0 of a short signal.
+
+    The median over time leaves out a frequency that is only passed, as in a sweep. (Of noise, the power at a frequency
+    is distributed exponentially, with a median of ln 2 of its mean.)
+    """
+    starts = np.arange(0, len(values) - SEGMENT + 1, SEGMENT // 2)
+    if len(starts) < FEWEST_SEGMENTS:
+        return 0.0
+    window = np.hanning(SEGMENT + 2)[1:-1]
+    segments = np.lib.stride_tricks.sliding_window_view(values, SEGMENT)[starts]
+    power = np.abs(np.fft.rfft((segments - segments.mean(axis=1, keepdims=True)) * window, axis=1)) ** 2
+    usual = np.median(power, axis=0)[2:-1] / (np.log(2.0) * float(window @ window))
+    width = round(STRETCH * len(usual))
+    return float(np.sqrt(np.convolve(usual, np.full(width, 1.0 / width), "valid").min()))
 
 
 def noise_at_points(values: np.ndarray, over: Sequence[np.ndarray]) -> float:

@@ -8,8 +8,12 @@ import pytest
 from recorded import scaled, with_signals
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
 from ema_twin_sim.measured import drive_regression
 from ema_twin_sim.measured.consistency import inconsistencies
+from ema_twin_sim.measured.drive_regression import agreed_sign, sign_of_drive
+from ema_twin_sim.measured.scales import to_own_units
+from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
@@ -69,3 +73,62 @@ def test_a_clock_that_jumps_costs_nothing(stock, monkeypatch):
     monkeypatch.setattr(drive_regression, "observe", look)
     assert not list(inconsistencies(replace(driven, stamps=stamps), stock))
     assert looked
+
+
+@pytest.fixture(scope="module")
+def joint():
+    """A motor alone, of which nothing but its encoder is known."""
+    model = load_model("laas_motor").with_value("sensors.current_noise", 0.0)
+    assert model.is_open
+    return model
+
+
+def turning(name, torque, speed):
+    """A motor's torque (n,) at a speed (n,) in one direction."""
+    time = np.arange(len(speed)) * 1e-3
+    signals = {"motor_torque": torque, "speed": speed, "motor_position": np.cumsum(speed) * 1e-3}
+    return Recording(name, np.rint(time * 1e9).astype(np.int64), signals)
+
+
+def shaken(droop):
+    """A load shakes a motor that turns steadily, and whose torque falls by ``droop`` where its speed rises as much."""
+    share = 0.2 * np.sin(40.0 * np.arange(4000) * 1e-3)
+    return turning("shaken", 0.25 * (1.0 - droop * share), 28.0 * (1.0 + share))
+
+
+def driven(sign):
+    """A motor accelerates and brakes its inertia against its friction."""
+    time = np.arange(4000) * 1e-3
+    speed = 28.0 * (1.0 + 0.5 * np.sin(20.0 * time))
+    return turning("driven", sign * (0.1 + 5e-3 * speed + 5e-4 * 280.0 * np.cos(20.0 * time)), speed)
+
+
+def signs(recordings, model):
+    own, its_model = to_own_units(recordings, model)
+    return [sign_of_drive(recording, its_model) for recording in own]
+
+
+@pytest.mark.parametrize("droop", [0.02, 0.2, 1.0, 3.0])
+def test_a_torque_that_drives_the_motion_is_not_taken_for_reversed(joint, droop):
+    """Slopes of what is left beside the loads say it pushes; it brings energy in all along, as no friction does."""
+    assert signs([shaken(droop)], joint) == [0]
+
+
+def test_a_torque_that_takes_energy_out_of_a_machine_with_friction_is_reversed(joint):
+    assert signs([driven(1.0), driven(-1.0)], joint) == [1, -1]
+
+
+def test_one_recording_does_not_turn_what_others_tell(joint):
+    """One map reads them all: opposite signs leave it undecided, and a reversed one is still refused."""
+
+    def told(recordings):
+        own, its_model = to_own_units(recordings, joint)
+        return [str(found) for recording in own for found in inconsistencies(recording, its_model, own)]
+
+    assert not told([driven(1.0), driven(-1.0)])
+    assert all("sign were turned round" in said for said in told([driven(-1.0), driven(-1.0)]))
+    assert len(told([driven(-1.0), shaken(0.02)])) == 1
+
+
+def test_signs_that_disagree_tell_nothing():
+    assert [agreed_sign(told) for told in ([0, 1, 0, 1], [-1], [1, 0, -1], [0], [])] == [1, -1, 0, 0, 0]

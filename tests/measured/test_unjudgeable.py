@@ -45,6 +45,23 @@ def test_one_that_slides_far_is_judged(motor):
     assert len(observe_all(*to_own_units([pushed(3.0)], motor))[0].rows) > 100
 
 
+def test_a_brief_slide_at_less_than_a_step_a_sample_is_not_said_to_rest(motor):
+    """There and back over hundreds of an encoder's steps, in a tenth of the time: that is too little, but no rest."""
+    step, time = 4e-4, np.arange(8000) * 1e-3
+    turned = 0.2 * np.interp(time, [3.6, 4.0, 4.4], [0.0, 1.0, 0.0])
+    signals = {"motor_torque": 0.02 * np.sign(np.gradient(turned)), "motor_position": step * np.floor(turned / step)}
+    assert np.mean(np.abs(np.diff(signals["motor_position"]))) < step
+    told = refused([Recording("brief", np.rint(time * 1e9).astype(np.int64), signals)], motor)
+    assert "rests" not in told and "of motion faster than" in told
+
+
+def test_the_way_is_told_to_and_fro(motor):
+    """Two swings of ±10 steps go 80 steps, within a range of 20."""
+    said = refused([pushed(20.0 * STEP)], motor)
+    way = float(said.split("moves by ")[1].split(" µrad")[0])
+    assert way == pytest.approx(20.0 * STEP * 2.0 * 1.2 * 10.0 / (2.0 * np.pi) * 1e6, rel=0.2)
+
+
 def wound(name, torque=3.0):
     """A stiff spring that a clamped motor winds up by a ``torque`` [N m] either way, slowly; its encoder has noise."""
     time = np.arange(0.0, 35.0, 0.01)

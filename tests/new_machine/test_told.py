@@ -2,6 +2,9 @@
 
 import math
 
+import numpy as np
+import pytest
+
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.model import load_model
 from ema_twin_sim.new_machine.told import assumed, doubts_of, shown
@@ -64,3 +67,24 @@ def test_the_decimals_of_a_text_are_no_encoder(tmp_path):
     assert "motor position in steps of 0.001 deg (the last digit of its column)" in known
     assert "output position in steps of 1e-06 rad (the last digit of its column)" in known
     assert not [one for one in known if "counts" in one]
+
+
+def test_a_noise_that_may_be_the_signal_is_not_said_to_be_known(tmp_path):
+    """A current that swings as fast as its samples, and one that is nothing but noise."""
+    noise = np.random.default_rng(2).standard_normal(2000)
+    slow = [math.sin(3.0 * t) for t in SECONDS]
+
+    def drafted(current):
+        by_time = dict(zip(SECONDS, zip(slow, current, strict=True), strict=True))
+        return told(tmp_path, "time [s],motor position [rad],current [A]", lambda t: by_time[t], force=True)
+
+    fast = np.sin(2.0 * np.pi * 420.0 * np.array(SECONDS))
+    known, guessed = drafted(fast + 0.01 * noise)
+    assert not [one for one in known if "noise" in one]
+    (said,) = (one for one in guessed if "noise of the current" in one)
+    assert said.endswith("(at most: the signal changes as fast as noise)")
+    assert load_model(tmp_path / "own.yaml").value("sensors.current_noise") == pytest.approx(0.01, rel=0.15)
+    _, guessed = drafted(0.01 * noise)
+    assert [one for one in guessed if one.endswith("(as large as the whole signal, which it may be)")]
+    known, _ = drafted(np.cos(3.0 * np.array(SECONDS)) + 0.01 * noise)
+    assert [one for one in known if "noise of the current" in one]

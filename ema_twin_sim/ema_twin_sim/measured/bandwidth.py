@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..criteria import NEGLIGIBLE, SMALL
-from .smoothing import gaussian, smooth
+from .smoothing import gaussian, smooth_way
 
 NARROWER = 0.7  # ratio of one tried width to the next
 
@@ -15,7 +15,7 @@ def narrowest(position: np.ndarray, period: float, noise: float, widest: float, 
 
     ``noise`` [rad] is the standard deviation of one sample.
     """
-    allowed = NEGLIGIBLE * float(np.sqrt(np.mean(smooth(position, gaussian(widest, period, 2)) ** 2)))
+    allowed = NEGLIGIBLE * float(np.sqrt(np.mean(smooth_way(position, gaussian(widest, period, 2)) ** 2)))
     width = widest
     while width * NARROWER >= least and noise * float(np.linalg.norm(gaussian(width * NARROWER, period, 2))) <= allowed:
         width *= NARROWER

@@ -20,7 +20,8 @@ from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
 from ..quantities import quantity
-from .drive_regression import signs_of_drive, torque_over_inertia
+from .drive_regression import sign_of_drive, torque_over_inertia
+from .idle_drive import idle_current
 from .load_sensor import falls_with_load
 from .signal_factors import DEGREES, usual_mistake, wrong_factors
 from .way_by_speed import standing_position
@@ -82,7 +83,8 @@ def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recordi
     yield from _by_load(recording)
     yield from _by_limit(recording, model)
     yield from _by_noise(recording, model, beside)
-    yield from _by_inertia(recording, model)
+    yield from _by_idle_drive(recording, model, beside)
+    yield from _by_inertia(recording, model, beside)
 
 
 def _by_factor(recording: Recording, model: Model, beside: Sequence[Recording]) -> Iterator[Inconsistency]:
@@ -153,10 +155,8 @@ def _by_noise(recording: Recording, model: Model, beside: Sequence[Recording]) -
     share = _share_of_noise(recording, model)
     if not 0.0 < share * NOISY < 1.0 or any(_share_of_noise(other, model) * NOISY >= 1.0 for other in beside):
         return
-    noise, name, unit = model.value("sensors.current_noise"), "current", "A"
-    if BY_TORQUE in recording.metadata:
-        noise, name, unit = noise * model.value("machine.torque_constant"), "motor_torque", "N m"
-    whole, stated = (quantity(*shown(model, value, unit)) for value in (share * noise, noise))
+    noise = model.value("sensors.current_noise")
+    name, whole, stated = _in_words(recording, model, share * noise, noise)
     yield Inconsistency(
         recording.name,
         f"{name} is {whole} (rms) in all, less than the {stated} of noise that the model file states, so that the "
@@ -165,6 +165,33 @@ def _by_noise(recording: Recording, model: Model, beside: Sequence[Recording]) -
         "noise of the current",
         share,
     )
+
+
+def _by_idle_drive(recording: Recording, model: Model, beside: Sequence[Recording]) -> Iterator[Inconsistency]:
+    """Whether the drive does anything, in this recording or in one ``beside`` it, on a machine of unknown inertia.
+
+    Something else may drive it, and then its current has nothing to say; or it may coast, and then inertia and friction
+    are known from each other alone.
+    """
+    idle = idle_current(recording, model) if _of_unknown_inertia(model) else None
+    if idle is None or any(idle_current(other, model) is None for other in beside if other is not recording):
+        return
+    name, whole, noise = _in_words(recording, model, *idle)
+    yield Inconsistency(
+        recording.name,
+        f"the drive does nothing here: its {name} is {whole} (rms), its noise {noise}, and nothing of it goes with the "
+        "motion",
+        "record with the drive on, or check the import map; a torque from outside is its load_torque",
+        "idle drive",
+    )
+
+
+def _in_words(recording: Recording, model: Model, *currents: float) -> tuple[str, ...]:
+    """The name of the signal that tells the drive's torque, and these currents [own A] in its unit."""
+    if BY_TORQUE not in recording.metadata:
+        return "current", *(quantity(*shown(model, current, "A")) for current in currents)
+    constant = model.value("machine.torque_constant")
+    return "motor_torque", *(quantity(*shown(model, constant * current, "N m")) for current in currents)
 
 
 def _share_of_noise(recording: Recording, model: Model) -> float:
@@ -178,11 +205,10 @@ def _share_of_noise(recording: Recording, model: Model) -> float:
     return math.sqrt(float(np.nanmean(recording.signals["current"] ** 2))) / noise
 
 
-def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
+def _by_inertia(recording: Recording, model: Model, beside: Sequence[Recording]) -> Iterator[Inconsistency]:
     """Whether the current accelerates the machine as its inertia and loads require, if these are known."""
-    parts = [model.constants[f"machine.{part}_inertia"] for part in ("motor", "gearbox", "output")]
-    if any(math.isinf(part.tolerance) for part in (*parts, model.constants["machine.torque_constant"])):
-        yield from _by_friction(recording, model)
+    if _of_unknown_inertia(model):
+        yield from _by_friction(recording, model, beside)
         return
     factor = torque_over_inertia(recording, model)
     if factor is None:
@@ -204,9 +230,18 @@ def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
     )
 
 
-def _by_friction(recording: Recording, model: Model) -> Iterator[Inconsistency]:
-    """Whether the current works against inertia and friction, of whatever size, and not with them."""
-    if -1 in signs_of_drive(recording, model):
+def _of_unknown_inertia(model: Model) -> bool:
+    """Whether the torque that an acceleration needs is open, or the current that gives it."""
+    names = [*(f"{part}_inertia" for part in ("motor", "gearbox", "output")), "torque_constant"]
+    return any(math.isinf(model.constants[f"machine.{name}"].tolerance) for name in names)
+
+
+def _by_friction(recording: Recording, model: Model, beside: Sequence[Recording]) -> Iterator[Inconsistency]:
+    """Whether the current works against inertia and friction, of whatever size, and not with them.
+
+    One map reads all recordings ``beside`` this one, so the sign is undecided if any of them tells the other.
+    """
+    if sign_of_drive(recording, model) < 0 and not any(sign_of_drive(other, model) > 0 for other in beside):
         yield Inconsistency(
             recording.name,
             "the current pushes against inertia and friction, as if its sign were turned round",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from itertools import combinations
@@ -16,7 +16,7 @@ from ema_bench_replay.recording import Recording
 from ..criteria import PART, SMALL
 from ..effects import Trait, effects_with
 from ..model import Model
-from ..plant.measured_motion import LOAD, MOTOR_ANGLE, SPEED
+from ..plant.measured_motion import LOAD, MOTOR_ANGLE, MOTOR_CURRENT, SPEED
 from ..reading_noise import reading_noise
 from ..simulation.angle_origins import origins_of
 from ..simulation.assembly import assemble
@@ -32,15 +32,27 @@ PIECE = 300.0  # own s that are judged at once: more takes memory and adds nothi
 def sign_of_drive(recording: Recording, model: Model) -> int:
     """The sign of a recording's current or torque: 1 if it moves the machine as read, -1 if reversed, 0 if undecided.
 
-    Recording and model are in the machine's own units.
+    It is undecided too if pieces of the recording tell opposite signs. Recording and model are in the machine's own
+    units.
     """
-    return 0 if recording.of_points else next(filter(None, signs_of_drive(recording, model)), 0)
+    return 0 if recording.of_points else agreed_sign(signs_of_drive(recording, model))
+
+
+def agreed_sign(signs: Iterable[int]) -> int:
+    """The sign that several tell, of which 0 tells nothing; 0 if none tells one, or if two tell opposite ones."""
+    told = set(signs) - {0}
+    return told.pop() if len(told) == 1 else 0
 
 
 def signs_of_drive(recording: Recording, model: Model) -> Iterator[int]:
-    """The same of each piece of the recording that shows a motion."""
+    """The same of each piece of the recording that shows a motion.
+
+    A sign is told by inertia and friction, so they must need a real share of the torque beside loads of any sign: in a
+    steady motion these explain all but nearly nothing, and what is left of it has either sign by chance. Nor is a
+    torque reversed that brings energy into the machine as it is read: a passive one takes energy in.
+    """
     ratio = model.value("machine.gear_ratio")
-    for _, seen in _pieces(recording, model):
+    for _, seen in pieces_in_motion(recording, model):
         speed, place = (seen.motion[seen.rows, column] for column in (SPEED, MOTOR_ANGLE))
         loads = np.stack([np.ones(len(speed)), place, np.sin(place / ratio), np.cos(place / ratio)], axis=1)
         if recording.has("load_torque"):  # which may drive the machine
@@ -49,7 +61,21 @@ def signs_of_drive(recording: Recording, model: Model) -> Iterator[int]:
         if len(speed) < FEWEST:
             continue
         as_read, turned = (_least_beside(loads, needed, sign * seen.torque) for sign in (1.0, -1.0))
-        yield -1 if turned < PART * as_read else int(as_read < PART * turned)
+        alone = _least_beside(loads, needed[:, :0], seen.torque)
+        if alone - min(as_read, turned) < SMALL**2 * float(seen.torque @ seen.torque):
+            yield 0
+        elif turned < PART * as_read:
+            yield 0 if _brings_energy(recording, seen) else -1
+        else:
+            yield int(as_read < PART * turned)
+
+
+def _brings_energy(recording: Recording, seen: Observation) -> bool:
+    """Whether the drive as read brings far more energy into the machine than it takes out; False beside a load sensor,
+    which may show another machine that drives this one.
+    """
+    power = seen.motion[:, MOTOR_CURRENT] * seen.motion[:, SPEED]
+    return not recording.has("load_torque") and float(power.sum()) > PART * float(np.abs(power).sum())
 
 
 def _least_beside(free: np.ndarray, positive: np.ndarray, torque: np.ndarray) -> float:
@@ -74,7 +100,7 @@ def torque_over_inertia(recording: Recording, model: Model) -> float | None:
     """Measured torque over what the model's inertia and loads need; None if no piece of the recording tells."""
     motor, output = origins_of(recording, model)  # unknown origins are zero for the whole recording, not for each piece
     recording = replace(recording, motor_angle_origin=motor, output_angle_origin=output)
-    factors = (_over_inertia(piece, seen, model) for piece, seen in _pieces(recording, model))
+    factors = (_over_inertia(piece, seen, model) for piece, seen in pieces_in_motion(recording, model))
     return next((factor for factor in factors if factor is not None), None)
 
 
@@ -111,7 +137,7 @@ def _load(recording: Recording, model: Model, seen: Observation) -> np.ndarray:
     return load
 
 
-def _pieces(recording: Recording, model: Model) -> Iterator[tuple[Recording, Observation]]:
+def pieces_in_motion(recording: Recording, model: Model) -> Iterator[tuple[Recording, Observation]]:
     """The pieces of a recording that show a motion, and what is observed in them."""
     for start in PIECE * np.unique(recording.time // PIECE):
         with suppress(InputError):  # whatever needs the motion will report this

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..criteria import HARD
 from ..model import Model
-from ..reading_noise import reading_noise
+from ..reading_noise import beside_fast_signal, reading_noise
 from ..simulation.sensor_noise import counter_noise
 
 
@@ -25,7 +25,9 @@ def torque_noise(current: np.ndarray, raw: np.ndarray, kernel: np.ndarray, model
     """
     smoothed = float(np.linalg.norm(kernel))
     rounding = rounding_noise(raw, model)
-    white = max(reading_noise(current), model.value("sensors.current_noise") if rounding else 0.0)
+    white = max(
+        beside_fast_signal(reading_noise(current), current), model.value("sensors.current_noise") if rounding else 0.0
+    )
     return model.value("machine.torque_constant") * math.hypot(white * smoothed, rounding)
 
 

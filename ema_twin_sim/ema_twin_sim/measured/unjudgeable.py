@@ -22,6 +22,7 @@ from ..simulation.simulate import LONGEST_GAP
 from .observation import Observation
 from .row_noise import smallest_step
 from .smoothed_motion import FEWEST, NEEDED, usual_step
+from .smoothing import smooth
 
 HELD = (
     "; a test of stiffness, held at each load, is read as operating points: `operating_points: true` in its map, or "
@@ -80,7 +81,7 @@ def too_little_motion(
     )
     names = first_of([o.name for o in found])
     loaded = _loads_change(recordings)
-    if unresolved := _unresolved(recordings, model):
+    if unresolved := "" if moving > 0.0 else _unresolved(found, recordings, model):
         held = "; or read loads that are held as operating points (init --operating-points)" if loaded else ""
         return f"{names}: {unresolved}{held}"
     standstill, unit = shown(model, STANDSTILL, "rad/s")
@@ -91,21 +92,23 @@ def too_little_motion(
     )
 
 
-def _unresolved(recordings: Sequence[Recording], model: Model) -> str:
+def _unresolved(found: Sequence[Observation], recordings: Sequence[Recording], model: Model) -> str:
     """Why no speed is known, and the remedy, if all move by less than an encoder's step a sample; else empty.
 
-    Friction that only gives way, below its break-away level, lets a shaft move so.
+    Friction that only gives way, below its break-away level, lets a shaft move so. A motion that is slow beside its
+    samples does too, but smoothed it is faster than standstill at times, and some rows of it are judged.
     """
     if any(recording.has("speed") for recording in recordings):
         return ""
     known = [_known(recording.signals["motor_position"]) for recording in recordings if recording.has("motor_position")]
     if not known or not all(np.mean(np.abs(np.diff(position))) < smallest_step(position) for position in known):
         return ""
-    travel = quantity(*shown(model, max(float(np.ptp(position)) for position in known), "rad"))
+    way = max(float(np.sum(np.abs(smooth(o.motion[:, SPEED], o.kernel)))) * o.period for o in found)
+    travel = quantity(*shown(model, way, "rad"))
     step = quantity(*shown(model, max(map(smallest_step, known)), "rad"))
     return (
-        f"the motor moves by {travel} in all, less than an encoder's step ({step}) a sample: it rests, or its friction "
-        "only gives way, and no direction is known; record it sliding, over a far longer way"
+        f"the motor moves by {travel} to and fro, less than an encoder's step ({step}) a sample: it rests, or its "
+        "friction only gives way, and no direction is known; record it sliding, over a far longer way"
     )
 
 

@@ -18,7 +18,7 @@ from ..model.check_comment import ASSUMED, CHECK, REMEDIES, check_comment
 from ..model.constants import CONSTANTS
 from ..model.model_file import TORQUE_CONSTANT
 from ..model.roles import DRY_FRICTION, VISCOUS_FRICTION
-from ..reading_noise import noise_at_points, polled_noise, reading_noise
+from ..reading_noise import beside_fast_signal, drowns, noise_at_points, polled_noise, reading_noise
 from ..simulation.behind_motor import of_encoders_alone
 from .drive_gains import drive_gains
 from .given import Given
@@ -293,9 +293,10 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
             )
     for name in ("current", "speed"):
         if recording.has(name) and not (recording.of_points and name == "speed"):  # each point has its own speed
+            noise = _noise(recording, name)
             lines.append(
-                f"  {name}_noise: {{value: {_noise(recording, name):.3g}, "
-                f"unit: {signal_unit(name, motion)}, source: third differences of the recording}}"
+                f"  {name}_noise: {{value: {noise.value:.3g}, unit: {signal_unit(name, motion)}, "
+                f"source: {noise.source}}}{check_comment(noise.doubt)}"
             )
     lag = speed_lag(recording)
     if lag is not None:
@@ -304,8 +305,8 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
         noise = _noise(recording, "motor_torque")
         torque = signal_unit("motor_torque", motion)
         lines.append(
-            f"  current_noise: {{value: {noise:.3g}, unit: A, "
-            f"source: third differences of the recording; {ONE_AMPERE_IS} {torque}}}"
+            f"  current_noise: {{value: {noise.value:.3g}, unit: A, "
+            f"source: {noise.source}; {ONE_AMPERE_IS} {torque}}}{check_comment(noise.doubt)}"
         )
     if not recording.of_points:
         lines.append(f"  sample_period: {{value: {recording.sample_period:g}, unit: s, tolerance: 0.0}}")
@@ -332,14 +333,28 @@ def _last_digit(step: float, unit: str, motion: str) -> str:
     return f"{10.0 ** round(math.log10(step / size)):g} {unit}"
 
 
-def _noise(recording: Recording, signal: str) -> float:
-    """The noise of a signal's readings, in its own unit."""
+class _Noise(NamedTuple):
+    """The noise of a signal's readings in its own unit, its source, and what is doubtful about it."""
+
+    value: float
+    source: str = "third differences of the recording"
+    doubt: str = ""
+
+
+def _noise(recording: Recording, signal: str) -> _Noise:
+    """The noise of a signal's readings."""
     values = recording.signals[signal]
-    if not recording.of_points:
-        return polled_noise(_finite(values))
-    over = [recording.signals[name] for name in DEPENDED_ON if recording.has(name)]
-    whole = np.isfinite([values, *over]).all(axis=0)
-    return noise_at_points(values[whole], [other[whole] for other in over])
+    if recording.of_points:
+        over = [recording.signals[name] for name in DEPENDED_ON if recording.has(name)]
+        whole = np.isfinite([values, *over]).all(axis=0)
+        return _Noise(noise_at_points(values[whole], [other[whole] for other in over]))
+    values = _finite(values)
+    noise = polled_noise(values)
+    beside = beside_fast_signal(noise, values)
+    if beside < noise:
+        doubt = "at most: the signal changes as fast as noise"
+        return _Noise(beside, "quietest part of the recording's spectrum", doubt)
+    return _Noise(noise, doubt="as large as the whole signal, which it may be" if drowns(noise, values) else "")
 
 
 def _finite(values: np.ndarray) -> np.ndarray:
