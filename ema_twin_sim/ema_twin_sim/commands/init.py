@@ -124,7 +124,7 @@ def run(
     drafts = checked_drafts(guesses, given, traces)
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
         write_text(path, text, force=force)
-    guesses = guesses.as_load(drafts.behind) if drafts.behind else guesses
+    guesses = guesses.with_load(drafts.load) if drafts.load is not None else guesses
     guesses = guesses.without(tuple(drafts.left_out)).as_magnitudes(drafts.magnitudes)
     if traces:
         for guess in guesses.signals:
