@@ -18,6 +18,7 @@ from ema_bench_replay.traces.header_words import header_words
 from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.units import unit_in
 
+from ..listing import first_of
 from ..measured.drive_regression import sign_of_drive
 from ..measured.load_sensor import falls_with_load, follows_load, times_current
 from ..measured.scales import to_own_units
@@ -142,10 +143,17 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         )
     model = checked_model([_without(recording, magnitudes) for recording in recordings], given, shaft, source)
     if drives and not turned_drive:
-        sign = _sign_of_drive(recordings, model)
-        if sign < 0:  # all else is judged again with it
+        signs = _signs_of_drive(recordings, model)
+        turned = [recording.name for recording, sign in zip(recordings, signs, strict=True) if sign < 0]
+        if turned and 1 not in signs:  # all else is judged again with it
             return checked_drafts(replace(as_guessed, signals=_all_turned(as_guessed, _DRIVE)), given, traces)
-        if sign > 0:
+        if turned:
+            assumed.append(
+                f"{drives}: positive drives forwards, though it acts against the motion in {first_of(turned)} "
+                f"({len(turned)} of {sum(sign != 0 for sign in signs)} recordings that show a sign; if these were "
+                "recorded with the opposite sign, read them by a map of their own, with `factor: -1` in its line)"
+            )
+        elif 1 in signs:
             shown.append(f"sign of {drives} (positive drives forwards)")
         else:
             assumed.append(
@@ -255,16 +263,16 @@ def _all_turned(guesses: Guesses, signals: Sequence[str]) -> tuple[Guess, ...]:
     return tuple(replace(each, turned_round=True) if each.signal in signals else each for each in guesses.signals)
 
 
-def _sign_of_drive(recordings: Sequence[Recording], model: ModelDraft) -> int:
-    """Whether current or torque drives the motion as read (1) or reversed (-1) in the longest motion; 0: undecided."""
+def _signs_of_drive(recordings: Sequence[Recording], model: ModelDraft) -> list[int]:
+    """Whether current or torque drives each recording's motion as read (1) or reversed (-1); 0: undecided."""
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / "model.yaml"
         place.write_text(model.text)
         try:
-            (own, *_), its_model = to_own_units([farthest(recordings)], load_model(place))
-            return sign_of_drive(own, its_model)
+            own, its_model = to_own_units(recordings, load_model(place))
+            return [sign_of_drive(recording, its_model) for recording in own]
         except InputError:  # whatever needs the motion will report this
-            return 0
+            return [0] * len(recordings)
 
 
 def _of_the_output(guess: Guess, why: str) -> Guess:
