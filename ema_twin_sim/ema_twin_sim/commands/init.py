@@ -234,6 +234,11 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
                 f"{trace}: {', '.join(empty_signals)[:150]}: no cell holds one number by itself (lists hold several); "
                 "write a column for each number, as in 'motor position [rad]', and run init again"
             )
+        if holed:
+            raise InputError(
+                f"{trace}: {', '.join(guess.column for guess in holed)[:150]}: without these nothing is left to read; "
+                "fill in the cells that hold no number, or remove their rows, and run init again"
+            )
         raise InputError(
             f"{trace}: header: no column recognised among {', '.join(table.header)[:150]}; rename them, as in "
             "'time [s]', 'current [A]', 'motor position [rad]'"
