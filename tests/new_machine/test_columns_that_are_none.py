@@ -119,3 +119,48 @@ def test_where_every_column_has_a_hole_the_names_are_not_to_blame(tmp_path, caps
     with pytest.raises(InputError, match=r"current \[A\], position \[rad\]: without these nothing is left to read"):
         init(str(tmp_path / "m"), [tmp_path / "run.csv"])
     capsys.readouterr()
+
+
+COUNT = np.arange(float(len(TIME)))
+
+
+@pytest.mark.parametrize("name", ["n", "i", "v", "s", "current"])
+@pytest.mark.parametrize("counted", [COUNT, 7.0 + 4.0 * COUNT, 0.1 * COUNT])
+def test_a_column_that_numbers_the_rows_is_no_signal(name, counted):
+    """`n` was taken for the speed, and the position was left out since it did not go with it."""
+    columns = {"t": TIME, name: counted, "angle": ANGLE, "motor_current": CURRENT}
+    guesses = guess_columns(list(columns), numbers=columns)
+    assert {guess.signal: guess.column for guess in guesses.signals} == {
+        "motor_position": "angle",
+        "current": "motor_current",
+    }
+    assert guesses.row_counters == (name,) and name in guesses.left
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "signal"),
+    [
+        ("n", COUNT + 0.001 * np.sin(COUNT), "speed"),
+        ("n [1/min]", COUNT, "speed"),
+        ("angle", COUNT, "motor_position"),
+        ("position setpoint", COUNT, "output_command"),
+    ],
+)
+def test_what_may_rise_steadily_is_one_all_the_same(name, values, signal):
+    columns = {"t": TIME, name: values, "motor_current": CURRENT}
+    guesses = guess_columns(list(columns), numbers=columns)
+    assert guesses.row_counters == () and signal in {guess.signal for guess in guesses.signals}
+    assert guess_columns(list(columns)).row_counters == ()
+
+
+def test_speeds_set_one_after_another_are_those_of_operating_points():
+    columns = {"n": 100.0 * np.arange(1.0, 41.0), "M": 0.1 + 1e-3 * np.arange(40.0)}
+    assert guess_columns(list(columns), numbers=columns).row_counters == ()
+
+
+def test_init_says_which_column_numbers_the_rows(tmp_path, capsys):
+    columns = {"t": TIME, "n": COUNT, "angle": ANGLE, "motor_current": CURRENT}
+    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "n: not used, since it rises by the same step in every row" in told
+    assert "angle → motor_position" in told and "nothing in common" not in told

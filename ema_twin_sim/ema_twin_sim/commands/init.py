@@ -212,6 +212,8 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
             f"{name}: {unit} is a unit of a {other} machine, and by the other columns this one is {guesses.motion}, so "
             "it is not used; if the unit is wrong, correct the header and run init again"
         )
+    for name in guesses.row_counters:
+        say(f"{name}: not used, since it rises by the same step in every row, as the number of a row does")
     taken = next((guess.column for guess in guesses.signals if guess.signal == "motor_position"), "")
     for name in guesses.other_axes:
         say(

@@ -20,6 +20,7 @@ from ema_bench_replay.units import units_of
 from .column_quantity import has_word, word_quantity
 from .column_words import MOTOR_ITSELF, OUTPUT, SLIDES
 from .joints import ONE_JOINT, Joint, Numbered, one_joint
+from .row_counters import row_counters
 from .signal_columns import choose_signals, drive_command, other_torques, signal_column, supply_current
 from .time_column import is_assumed, time_column
 
@@ -75,6 +76,7 @@ class Guesses:
     other_motion: tuple[str, ...] = ()  # columns not used since their units are those of the other kind of motion
     other_axes: tuple[str, ...] = ()  # positions not used since another goes with the speed more
     other_torques: tuple[Guess, ...] = ()  # torques beside the motor's, as the loads that they may be
+    row_counters: tuple[str, ...] = ()  # columns not used since they only number the rows
 
     @property
     def drives(self) -> bool:
@@ -134,7 +136,8 @@ def guess_columns(
         raise InputError(
             f"header: column {time.name!r} holds no numbers; export the time in s or ms, counted from the start"
         )
-    usable = [read for read in names if read is not time and read.name not in no_numbers]
+    counters = row_counters(names, numbers, time)
+    usable = [read for read in names if read is not time and read.name not in {*no_numbers, *counters}]
     whole = {name: values for name, values in numbers.items() if name not in no_numbers}
     of_joint, usable = one_joint([_numbered(read) for read in usable], whole, joint)
     other_motion = tuple(
@@ -174,7 +177,14 @@ def guess_columns(
     if guesses.time is not None and time is not None and is_assumed(time, numbers):
         doubt = "taken for the time by its unit alone, though its steps are uneven"
         guesses = replace(guesses, time=replace(guesses.time, doubt=doubt))
-    return replace(guesses, joint=of_joint, other_motion=other_motion, other_axes=other_axes, other_torques=loads)
+    return replace(
+        guesses,
+        joint=of_joint,
+        other_motion=other_motion,
+        other_axes=other_axes,
+        other_torques=loads,
+        row_counters=counters,
+    )
 
 
 def named_columns(named: Mapping[str, str]) -> Guesses:
