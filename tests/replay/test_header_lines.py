@@ -79,3 +79,14 @@ def test_numbers_in_the_first_line_are_no_names(tmp_path, rows):
     (tmp_path / "run.csv").write_text(f"% bench 3\n{rows}")
     with pytest.raises(InputError, match="line 2: the first line is numbers: no names of columns; put one there"):
         read_table(tmp_path / "run.csv")
+
+
+@pytest.mark.parametrize(("cells", "last"), [(";7;", "column"), (";7;8;", "2 columns"), (";7;8", "2 columns")])
+def test_columns_without_a_name_are_told_from_a_row_that_is_too_long(tmp_path, cells, last):
+    path = tmp_path / "run.csv"
+    path.write_text("# bench 3\nt;pos;cur\n" + ROWS.replace("\n", f"{cells}\n"))
+    with pytest.raises(InputError, match=rf"line 2: the header names 3 columns, and each row .*; name the last {last}"):
+        read_table(path)
+    path.write_text("t;pos;cur\n" + ROWS.replace("2,5\n", "2,5;7;8\n", 1))
+    with pytest.raises(InputError, match="line 2: has 5 cells where the header has 3; remove or complete the row"):
+        read_table(path)

@@ -297,6 +297,7 @@ class _RowReader:
         for number, line in enumerate(lines):
             cells = self._cells(line)
             if len(cells) != len(self.header):
+                self._refuse_unnamed(lines)
                 counts = f"has {len(cells)} cell{'s' * (len(cells) != 1)} where the header has {len(self.header)}"
                 raise InputError(f"{self.path}: line {self.line + number}: {counts}; remove or complete the row")
             may_end = is_last and len(lines) - number <= _MOST_AT_END and self.line + number > self.first_line
@@ -313,6 +314,20 @@ class _RowReader:
                     elif column in self.needed:
                         raise self._no_number(number, column, cell) from None
         return self._without_end(rows, at_end)
+
+    def _refuse_unnamed(self, lines: list[str]) -> None:
+        """Raise InputError if all rows have as many cells more than the header has names."""
+        if self.line > self.first_line:  # those before had as many as the header
+            return
+        widths = {len(line.removesuffix(self.delimiter).split(self.delimiter)) for line in lines}
+        more = widths.pop() - len(self.header)
+        if widths or more <= 0:
+            return
+        last = "the last column" if more == 1 else f"the last {more} columns"
+        raise InputError(
+            f"{self.path}: line {self.first_line - 1}: the header names {len(self.header)} columns, and each row has "
+            f"{len(self.header) + more} cells; name {last} too"
+        )
 
     def _cells(self, line: str) -> list[str]:
         """The cells of a row, without the empty one that a delimiter at its end makes."""
