@@ -164,3 +164,12 @@ def test_init_says_which_column_numbers_the_rows(tmp_path, capsys):
     told = " ".join(capsys.readouterr().out.split())
     assert "n: not used, since it rises by the same step in every row" in told
     assert "angle → motor_position" in told and "nothing in common" not in told
+
+
+@pytest.mark.parametrize("names", [",angle,speed", ",foo,bar"])
+def test_a_refusal_lists_no_empty_name(tmp_path, names):
+    """As that of the index that pandas writes before the columns."""
+    rows = "\n".join(f"{k},{angle:.6g},{np.sin(2.0 * 2e-3 * k):.6g}" for k, angle in enumerate(ANGLE))
+    (tmp_path / "run.csv").write_text(f"{names}\n{rows}\n")
+    with pytest.raises(InputError, match=f"among {names[1:].replace(',', ', ')}; "):
+        init(str(tmp_path / "m"), [tmp_path / "run.csv"])

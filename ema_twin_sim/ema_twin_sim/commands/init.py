@@ -181,6 +181,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     from ..new_machine.units_by_numbers import with_units
 
     table = read_table(trace, needed=lambda header: ())
+    columns = ", ".join(filter(None, table.header))[:150]
     numbers = dict(zip(table.header, table.columns, strict=True))
     no_numbers = {
         name: int(np.count_nonzero(np.isnan(column))) for name, column in numbers.items() if np.isnan(column).any()
@@ -192,7 +193,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     try:
         guesses = with_kind_of_rows(guesses, numbers, of_points)
     except InputError as error:
-        raise InputError(f"{trace}: header: no time column among {', '.join(table.header)[:150]}; {error}") from None
+        raise InputError(f"{trace}: header: no time column among {columns}; {error}") from None
     guesses = with_units(*counted_on_turns(guesses, numbers), gear_ratio)
     rows = len(table.columns[0])
     empty = frozenset(name for name, count in no_numbers.items() if count == rows)
@@ -242,7 +243,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
                 "fill in the cells that hold no number, or remove their rows, and run init again"
             )
         raise InputError(
-            f"{trace}: header: no column recognised among {', '.join(table.header)[:150]}; rename them, as in "
+            f"{trace}: header: no column recognised among {columns}; rename them, as in "
             "'time [s]', 'current [A]', 'motor position [rad]'"
         )
     return guesses, holed
