@@ -51,6 +51,16 @@ def motor():
     return replace(model, effects={name: replace(held, open=True) for name, held in model.effects.items()})
 
 
+def test_the_integral_of_a_speed_is_no_second_sensor(motor):
+    """It was told to be integrated, since there is no position, and to be left out for the position, both at once."""
+    given = swung()
+    alone = replace(given, signals={name: values for name, values in given.signals.items() if "position" not in name})
+    (found,) = as_measured([alone], motor)
+    assert found.has("speed", "motor_position")
+    assert len(found.warnings) == 1 and "its speed is integrated instead" in found.warnings[0]
+    assert [one.warnings for one in as_measured([found], motor)] == [found.warnings]
+
+
 def test_a_speed_of_single_counts_is_left_out_and_said_so(motor):
     given = [swung(), swung(rate=2.0)]
     found = as_measured(given, motor)

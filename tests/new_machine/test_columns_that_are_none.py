@@ -110,3 +110,66 @@ def test_a_feedforward_is_neither_a_measurement_nor_a_command(name):
 def test_a_feedforward_command_is_none_either():
     numbers = {"time [s]": TIME, "position [rad]": ANGLE, "torque feedforward setpoint [Nm]": 0.3 * CURRENT}
     assert [guess.signal for guess in guess_columns(list(numbers), numbers=numbers).signals] == ["motor_position"]
+
+
+def test_where_every_column_has_a_hole_the_names_are_not_to_blame(tmp_path, capsys):
+    """The refusal said that no column was recognised, and to rename them."""
+    rows = ["nan,nan,nan" if k == 20 else f"{k / 100:g},{k % 7},{k % 5}" for k in range(40)]
+    (tmp_path / "run.csv").write_text("clock [ms],position [rad],current [A]\n" + "\n".join(rows) + "\n")
+    with pytest.raises(InputError, match=r"current \[A\], position \[rad\]: without these nothing is left to read"):
+        init(str(tmp_path / "m"), [tmp_path / "run.csv"])
+    capsys.readouterr()
+
+
+COUNT = np.arange(float(len(TIME)))
+
+
+@pytest.mark.parametrize("name", ["n", "i", "v", "s", "current"])
+@pytest.mark.parametrize("counted", [COUNT, 7.0 + 4.0 * COUNT, 0.1 * COUNT])
+def test_a_column_that_numbers_the_rows_is_no_signal(name, counted):
+    """`n` was taken for the speed, and the position was left out since it did not go with it."""
+    columns = {"t": TIME, name: counted, "angle": ANGLE, "motor_current": CURRENT}
+    guesses = guess_columns(list(columns), numbers=columns)
+    assert {guess.signal: guess.column for guess in guesses.signals} == {
+        "motor_position": "angle",
+        "current": "motor_current",
+    }
+    assert guesses.row_counters == (name,) and name in guesses.left
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "signal"),
+    [
+        ("n", COUNT + 0.001 * np.sin(COUNT), "speed"),
+        ("n [1/min]", COUNT, "speed"),
+        ("angle", COUNT, "motor_position"),
+        ("position setpoint", COUNT, "output_command"),
+    ],
+)
+def test_what_may_rise_steadily_is_one_all_the_same(name, values, signal):
+    columns = {"t": TIME, name: values, "motor_current": CURRENT}
+    guesses = guess_columns(list(columns), numbers=columns)
+    assert guesses.row_counters == () and signal in {guess.signal for guess in guesses.signals}
+    assert guess_columns(list(columns)).row_counters == ()
+
+
+def test_speeds_set_one_after_another_are_those_of_operating_points():
+    columns = {"n": 100.0 * np.arange(1.0, 41.0), "M": 0.1 + 1e-3 * np.arange(40.0)}
+    assert guess_columns(list(columns), numbers=columns).row_counters == ()
+
+
+def test_init_says_which_column_numbers_the_rows(tmp_path, capsys):
+    columns = {"t": TIME, "n": COUNT, "angle": ANGLE, "motor_current": CURRENT}
+    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "n: not used, since it rises by the same step in every row" in told
+    assert "angle → motor_position" in told and "nothing in common" not in told
+
+
+@pytest.mark.parametrize("names", [",angle,speed", ",foo,bar"])
+def test_a_refusal_lists_no_empty_name(tmp_path, names):
+    """As that of the index that pandas writes before the columns."""
+    rows = "\n".join(f"{k},{angle:.6g},{np.sin(2.0 * 2e-3 * k):.6g}" for k, angle in enumerate(ANGLE))
+    (tmp_path / "run.csv").write_text(f"{names}\n{rows}\n")
+    with pytest.raises(InputError, match=f"among {names[1:].replace(',', ', ')}; "):
+        init(str(tmp_path / "m"), [tmp_path / "run.csv"])

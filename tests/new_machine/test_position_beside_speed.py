@@ -146,3 +146,38 @@ def test_what_is_said_to_go_with_the_speed_more_is_the_motors_position(tmp_path,
     init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
     told = " ".join(capsys.readouterr().out.split())
     assert "tilt angle [rad]: not used, since crank angle [rad] goes with the speed more" in told
+
+
+def placed(share):
+    """So many rows of all, as places."""
+    return np.random.default_rng(8).permutation(np.arange(5, len(TIME) - 5, 3))[: round(share * len(TIME))]
+
+
+@pytest.mark.parametrize("name", SPEEDS)
+@pytest.mark.parametrize("size", [1e3, -1e6])
+def test_single_wrong_values_hide_no_position(name, size):
+    """They were most of its way, and it was said to have nothing in common with the speed."""
+    position = way(SPEEDS[name]) + 1e-3 * NOISE
+    position[placed(0.01)] += size
+    assert unlike_speed([recorded(SPEEDS[name], position)]) == ""
+
+
+@pytest.mark.parametrize("name", SPEEDS)
+@pytest.mark.parametrize("lasting", [False, True])
+def test_a_position_that_goes_with_the_speed_between_jumps_is_told_as_such(name, lasting):
+    """As of a recording that is put together of pieces, or one with many wrong values."""
+    jumps = np.zeros(len(TIME))
+    jumps[placed(0.04)] = 1e3 * np.random.default_rng(9).normal(size=80)
+    position = way(SPEEDS[name]) + (np.cumsum(jumps) if lasting else jumps)
+    told = unlike_speed([recorded(SPEEDS[name], position)])
+    assert "it jumps farther than the speed goes" in told and "nothing in common" not in told
+    count = int(told.split("in ")[1].split(" of ")[0])
+    assert (70 <= count <= 80) if lasting else (140 <= count <= 160)
+
+
+@pytest.mark.parametrize("name", SPEEDS)
+def test_what_goes_elsewhere_between_its_jumps_has_nothing_in_common(name):
+    jumps = np.zeros(len(TIME))
+    jumps[placed(0.04)] = 1e3 * np.random.default_rng(9).normal(size=80)
+    position = 60.0 * np.roll(NOISE, 700) + jumps
+    assert "nothing in common" in unlike_speed([recorded(SPEEDS[name], position)])

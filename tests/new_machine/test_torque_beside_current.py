@@ -5,7 +5,7 @@ import pytest
 
 from ema_bench_replay.recording import POINTS, Recording
 from ema_twin_sim.commands.init import run as init
-from ema_twin_sim.new_machine.torque_beside_current import measured_behind, not_proportional
+from ema_twin_sim.new_machine.torque_beside_current import counts_against, measured_behind, not_proportional
 from tests.trace_text import write_columns
 
 TIME = np.arange(3000) * 5e-3
@@ -170,3 +170,78 @@ def test_a_torque_named_the_motors_is_no_load(tmp_path):
     drawn = dynamometer(tmp_path, torque="motor torque [Nm]")
     assert any(line.startswith("  motor_torque: ") for line in drawn)
     assert not any(line.startswith("  load_torque: ") for line in drawn)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_friction_may_be_proportional_to_the_load(friction, sign):
+    """What the load leaves of the current is then no inertia and no friction of the motion alone."""
+    torque = driving(LOAD, BOTH_WAYS) + friction * np.abs(LOAD) * np.sign(BOTH_WAYS)
+    left = behind(noisy(torque / 0.5, 0.02), noisy(sign * LOAD, 0.02), {"speed": BOTH_WAYS})
+    assert left is not None and left < 0.06
+
+
+def test_friction_that_would_push_or_exceed_the_load_is_none():
+    for friction in (-0.5, 1.5):
+        torque = driving(LOAD, BOTH_WAYS) + friction * np.abs(LOAD) * np.sign(BOTH_WAYS)
+        assert behind(torque / 0.5, LOAD, {"speed": BOTH_WAYS}) is None
+
+
+def against(torque, current):
+    signals = {"current": current, "motor_torque": torque, "speed": BOTH_WAYS}
+    return counts_against([Recording("r", STAMPS, signals)])
+
+
+def test_a_torque_that_falls_as_the_current_rises_is_a_load_however_much_is_left():
+    wavering = 1.2 * np.sin(1.7 * TIME)  # of the friction, say
+    current = noisy((driving(LOAD, BOTH_WAYS) + wavering) / 0.5, 0.02)
+    assert behind(current, -LOAD, {"speed": BOTH_WAYS}) is None
+    assert against(-LOAD, current) and not against(LOAD, current)
+    assert not against(-LOAD - 5.0, np.abs(current))  # a current without sign does so under any negative torque
+
+
+def beside_its_estimate(tmp_path, sensor, names=("shaft torque [Nm]", "motor torque [Nm]"), turned_order=False):
+    """`init` on a load's sensor beside a torque that the drive computes from its current; the map's signals."""
+    current = np.round((driving(LOAD, BOTH_WAYS) + 0.1 * np.abs(LOAD) * np.sign(BOTH_WAYS)) / 0.5, 4)
+    torques = {names[0]: sensor, names[1]: 0.5 * current}
+    columns = {"time [s]": TIME, "speed [rad/s]": BOTH_WAYS, "current [A]": current}
+    columns |= dict(reversed(torques.items())) if turned_order else torques
+    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
+    lines = (tmp_path / "m_map.yaml").read_text().splitlines()
+    return {line.split(":")[0].strip(): line for line in lines if line.startswith("  ")}
+
+
+@pytest.mark.parametrize("names", [("shaft torque [Nm]", "motor torque [Nm]"), ("shaft torque", "drive's torque")])
+@pytest.mark.parametrize("turned_order", [False, True])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_of_two_torques_the_one_the_drive_computed_is_the_motors(tmp_path, capsys, names, turned_order, sign):
+    """The first column was taken for the motor's, and the sensor was dropped if it came second."""
+    drawn = beside_its_estimate(tmp_path, sign * noisy(LOAD, 0.02), names, turned_order)
+    assert names[1].split(" [")[0] in drawn["motor_torque"].replace("''", "'")
+    assert "shaft torque" in drawn["load_torque"] and "current" in drawn
+    assert "# CHECK: " in drawn["load_torque"] and "taken for the load" in drawn["load_torque"]
+    assert ("factor: -1" in drawn["load_torque"]) == (sign < 0.0)
+    told = " ".join(capsys.readouterr().out.split())
+    assert f"{names[0]} → load_torque" in told and f"Assumed: {names[0]}: taken for the load" in told
+
+
+def test_a_recording_without_the_sensor_does_not_hide_it(tmp_path):
+    current = np.round(driving(LOAD, BOTH_WAYS) / 0.5, 4)
+    columns = {"time [s]": TIME, "speed [rad/s]": BOTH_WAYS, "current [A]": current, "motor torque [Nm]": 0.5 * current}
+    without = write_columns(tmp_path / "without.csv", columns)
+    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", {**columns, "torque [Nm]": LOAD}), without])
+    assert "load_torque: {columns: ['torque " in (tmp_path / "m_map.yaml").read_text()
+
+
+def test_a_second_torque_that_is_no_load_is_not_dropped_without_a_word(tmp_path, capsys):
+    drawn = beside_its_estimate(tmp_path, 0.3 * np.sin(0.41 * TIME + 1.0))
+    assert "load_torque" not in drawn and "motor torque" in drawn["motor_torque"]
+    told = " ".join(capsys.readouterr().out.split())
+    assert "shaft torque [Nm]: not used: motor torque [Nm] goes with current [A]" in told
+
+
+def test_a_second_reading_of_the_motors_torque_is_no_load(tmp_path, capsys):
+    torque = driving(LOAD, BOTH_WAYS) + 0.1 * np.abs(LOAD) * np.sign(BOTH_WAYS)
+    drawn = beside_its_estimate(tmp_path, noisy(torque, 0.01))
+    assert "load_torque" not in drawn
+    assert "shaft torque [Nm]: not used" not in " ".join(capsys.readouterr().out.split())

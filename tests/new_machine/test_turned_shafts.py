@@ -93,3 +93,30 @@ def test_the_sign_of_the_current_is_found_or_assumed(tmp_path, capsys, current, 
     assert read.signals["current"][100:200] == pytest.approx(factor * current[100:200], abs=1e-6)
     (own,), model = to_own_units([read], load_model(tmp_path / "q.yaml"))
     assert not [*inconsistencies(own, model)]
+
+
+UNTOLD = 0.1 * np.sin(40.0 * TIME)
+
+
+@pytest.mark.parametrize(
+    ("currents", "told", "factor"),
+    [
+        ((UNTOLD, CURRENT, UNTOLD), "sign of current [A] (positive drives forwards)", 1.0),
+        ((UNTOLD, -CURRENT), "current [A]: as recorded, it acts against the motion, so its sign is reversed", -1.0),
+        (
+            (CURRENT, -CURRENT, UNTOLD),
+            "current [A]: positive drives forwards, though it acts against the motion in t1 (1 of 2 recordings",
+            1.0,
+        ),
+    ],
+    ids=["as recorded", "turned", "contradictory"],
+)
+def test_all_recordings_are_asked_for_the_sign_of_the_current(tmp_path, capsys, currents, told, factor):
+    """Only the one with the longest motion was asked, here the first, and discover refused the others."""
+    traces = []
+    for k, current in enumerate(currents):
+        traces.append(written(tmp_path / f"t{k}.csv", ANGLE / 4.0, "output position [rad]", current=current))
+    init(str(tmp_path / "q"), traces)
+    printed = capsys.readouterr()
+    assert told in " ".join(f"{printed.out} {printed.err}".split())
+    assert ("factor: -1" in (tmp_path / "q_map.yaml").read_text()) == (factor < 0.0)

@@ -5,12 +5,15 @@ import warnings
 import numpy as np
 import pytest
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import KIND, Recording
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.model import load_model
+from ema_twin_sim.model.matching import matched
 from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.unsigned_drive import unsigned_signals
+from ema_twin_sim.simulation.simulate import choose_input
 
 TIME = np.arange(4000) * 2e-3
 SPEEDS = {
@@ -104,6 +107,19 @@ def test_init_reads_it_as_a_magnitude_whatever_its_name(tmp_path, capsys, name):
     assert "magnitude: true" in (tmp_path / "m_map.yaml").read_text()
     assert load(trace, import_map=tmp_path / "m_map.yaml").metadata[f"current{KIND}"] == "magnitude"
     load_model(tmp_path / "m.yaml")
+
+
+def test_a_twin_is_refused_for_the_missing_sign_and_not_for_a_missing_column(tmp_path, capsys):
+    """It said to map a column as current, which the map did."""
+    drive = np.abs(current(SPEEDS["sines"], 0.0, 0.5))
+    trace = written(tmp_path / "trace.csv", "current [A]", drive)
+    init(str(tmp_path / "m"), [trace])
+    capsys.readouterr()
+    model = load_model(tmp_path / "m.yaml")
+    recording = matched(load(trace, import_map=tmp_path / "m_map.yaml"), model)
+    with pytest.raises(InputError, match=r"reads current as a magnitude\. .*take `magnitude: true` out") as refused:
+        choose_input(recording, model)
+    assert "Map a column" not in str(refused.value)
 
 
 def test_a_supply_current_that_has_a_sign_is_not_the_motors(tmp_path):

@@ -41,3 +41,52 @@ def test_a_first_row_that_is_cut_is_not_skipped(tmp_path, torn):
     (tmp_path / "run.csv").write_text(f"t;pos;cur\n{torn}{ROWS}")
     with pytest.raises(InputError, match=r"line \d: "):
         read_table(tmp_path / "run.csv")
+
+
+NUMBERS = [[0.5, 12.0, -0.25], [1.5, 13.0, 2e-3], [2.5, 14.0, 1.0]]
+
+
+def matrix(mark, end):
+    return "".join(mark.join(f"{value:g}" for value in row) + end + "\n" for row in NUMBERS)
+
+
+@pytest.mark.parametrize("mark", [",", ", ", "\t", " "])
+@pytest.mark.parametrize("above", ["% time,pos,speed\n% [s],[rad],[rad/s]\n", "%time,pos,speed\n%s,rad,rad/s\n"])
+@pytest.mark.parametrize("end", ["", ";", " ;"])
+def test_two_comments_above_the_rows_are_names_and_units_and_a_semicolon_may_end_each_row(tmp_path, mark, above, end):
+    """As MATLAB writes a matrix; the first row was taken for the names of the columns."""
+    (tmp_path / "run.csv").write_text("% bench 3\n\n" + above.replace(",", mark.strip(" ") or "  ") + matrix(mark, end))
+    table = read_table(tmp_path / "run.csv")
+    assert table.header == ["time [s]", "pos [rad]", "speed [rad/s]"] and table.warnings == ()
+    assert np.array_equal(np.stack(table.columns, axis=1), NUMBERS)
+
+
+def test_a_semicolon_ends_the_rows_of_later_blocks_too(tmp_path, monkeypatch):
+    monkeypatch.setattr("ema_bench_replay.traces.text_blocks._BLOCK", 64)
+    (tmp_path / "run.csv").write_text("time,pos,speed;\n" + matrix(",", ";") * 20)
+    table = read_table(tmp_path / "run.csv")
+    assert table.header == ["time", "pos", "speed"] and len(table.columns[0]) == 60
+
+
+def test_a_decimal_comma_before_the_semicolon_is_no_separator(tmp_path):
+    (tmp_path / "run.csv").write_text("pos;\n0,5;\n0,6;\n")
+    table = read_table(tmp_path / "run.csv")
+    assert table.header == ["pos"] and np.array_equal(table.columns[0], [0.5, 0.6])
+
+
+@pytest.mark.parametrize("rows", ["1.5\n2.5\n", "1:2:3\n2:3:4\n", "1|2\n3|4\n"])
+def test_numbers_in_the_first_line_are_no_names(tmp_path, rows):
+    (tmp_path / "run.csv").write_text(f"% bench 3\n{rows}")
+    with pytest.raises(InputError, match="line 2: the first line is numbers: no names of columns; put one there"):
+        read_table(tmp_path / "run.csv")
+
+
+@pytest.mark.parametrize(("cells", "last"), [(";7;", "column"), (";7;8;", "2 columns"), (";7;8", "2 columns")])
+def test_columns_without_a_name_are_told_from_a_row_that_is_too_long(tmp_path, cells, last):
+    path = tmp_path / "run.csv"
+    path.write_text("# bench 3\nt;pos;cur\n" + ROWS.replace("\n", f"{cells}\n"))
+    with pytest.raises(InputError, match=rf"line 2: the header names 3 columns, and each row .*; name the last {last}"):
+        read_table(path)
+    path.write_text("t;pos;cur\n" + ROWS.replace("2,5\n", "2,5;7;8\n", 1))
+    with pytest.raises(InputError, match="line 2: has 5 cells where the header has 3; remove or complete the row"):
+        read_table(path)

@@ -4,7 +4,7 @@ The header is the line above the first row of numbers. Comments, blank lines and
 so is what stands between it and the rows, unless it begins with a number, as a row that is cut does.
 Where short names follow a row of units, the names above the units are the header, if each column has its own there. If
 nothing else names the columns, a comment directly above the rows with the same number of cells does, as written by
-numpy.
+numpy; if it holds units, and the comment above it as many names, these do.
 """
 
 from __future__ import annotations
@@ -62,6 +62,8 @@ def header_lines(block: bytes) -> HeaderLines | None:
     rows = next((k for k in range(plain + 1, len(lines)) if _is_row(lines[k][0])), None)
     header, of_units = (plain, None) if rows is None else _above(lines, plain, rows)
     text = lines[header][0]
+    if not re.search(r"[^\W\d_]", text) and _NUMBER.match(text):
+        raise NoHeader(header + 1, 1, _delimiter(text))
     if rows is not None and of_units is not None:
         mark = _delimiter(text)
         units = _cells(lines[of_units][0], mark)
@@ -86,8 +88,11 @@ def _header_in_comment(lines: list[tuple[str, int]], rows: int) -> HeaderLines:
     """The header in the comment directly above rows that begin a text. Raises NoHeader if there is none."""
     mark = _delimiter(lines[rows][0])
     if rows:
-        text = lines[rows - 1][0].strip().lstrip("#%").strip()
-        cells = _cells(text, mark)
+        text = _uncommented(lines[rows - 1][0])
+        cells, before = _cells(text, mark), _cells(_uncommented(lines[rows - 2][0]) if rows > 1 else "", mark)
+        if len(before) == len(cells) and _are_units(cells) and _are_names(_with_time(before, cells)):
+            cells = _with_units(_with_time(before, cells), cells)
+            text = mark.join(cells)
         if len(cells) == _width(lines[rows][0], mark) and _are_names(cells):
             return HeaderLines(text, rows, lines[rows - 1][1])
     raise NoHeader(rows + 1, _width(lines[rows][0], mark), mark)
@@ -142,6 +147,10 @@ def _decoded(raw: bytes) -> str:
 def _is_comment(line: str) -> bool:
     """Whether a line above the header says nothing about the columns."""
     return _COMMENT.match(line.strip()) is not None
+
+
+def _uncommented(line: str) -> str:
+    return line.strip().lstrip("#%").strip()
 
 
 def _delimiter(line: str) -> str:

@@ -18,6 +18,7 @@ from ema_bench_replay.long_columns import Column, less_rows
 from ema_bench_replay.traces.blank_columns import rows_with_tabs, with_tabs
 from ema_bench_replay.traces.header_lines import NoHeader, header_lines
 from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
+from ema_bench_replay.traces.row_ends import rows_without_ends, without_row_ends
 from ema_bench_replay.traces.text_blocks import NotText, text_blocks
 from ema_bench_replay.traces.time_of_day import is_time_of_day, seconds
 
@@ -85,11 +86,12 @@ def read_table(
 
     Above the header there may be comments (#, %), blank lines, quoted texts and lines with other cells than the rows;
     below it the same, or a row of units, which are appended to the names in brackets. Blank lines and comments may end
-    the file. Columns may be separated by blanks. Times of day and dates are converted to s. An incomplete last row is
-    dropped, with a warning, and so are up to three last rows that are empty, or lack a number in a needed column (in
-    any if none is needed) in which all rows before hold one. `delimiter` and `number_format` ("german", "english") are
-    detected if they are None. `needed` returns for a header the columns that must hold numbers; others may hold words
-    and empty cells. `progress` is called with the share read so far. Raises InputError.
+    the file. Columns may be separated by blanks, and a semicolon may end each row. Times of day and dates are converted
+    to s. An incomplete last row is dropped, with a warning, and so are up to three last rows that are empty, or lack a
+    number in a needed column (in any if none is needed) in which all rows before hold one. `delimiter` and
+    `number_format` ("german", "english") are detected if they are None. `needed` returns for a header the columns that
+    must hold numbers; others may hold words and empty cells. `progress` is called with the share read so far. Raises
+    InputError.
     """
     try:
         if (size := path.stat().st_size) > LARGEST:
@@ -100,6 +102,9 @@ def read_table(
             file.seek(0)
             blocks = text_blocks(file)
             first, is_last = next(blocks)
+            unended = first if delimiter == ";" else without_row_ends(first)
+            if unended is not first:
+                first, blocks = unended, ((rows_without_ends(block), last) for block, last in blocks)
             tabbed = with_tabs(first) if delimiter is None else first
             if tabbed is not first:
                 first, blocks = tabbed, ((rows_with_tabs(block), last) for block, last in blocks)
@@ -292,6 +297,7 @@ class _RowReader:
         for number, line in enumerate(lines):
             cells = self._cells(line)
             if len(cells) != len(self.header):
+                self._refuse_unnamed(lines)
                 counts = f"has {len(cells)} cell{'s' * (len(cells) != 1)} where the header has {len(self.header)}"
                 raise InputError(f"{self.path}: line {self.line + number}: {counts}; remove or complete the row")
             may_end = is_last and len(lines) - number <= _MOST_AT_END and self.line + number > self.first_line
@@ -308,6 +314,20 @@ class _RowReader:
                     elif column in self.needed:
                         raise self._no_number(number, column, cell) from None
         return self._without_end(rows, at_end)
+
+    def _refuse_unnamed(self, lines: list[str]) -> None:
+        """Raise InputError if all rows have as many cells more than the header has names."""
+        if self.line > self.first_line:  # those before had as many as the header
+            return
+        widths = {len(line.removesuffix(self.delimiter).split(self.delimiter)) for line in lines}
+        more = widths.pop() - len(self.header)
+        if widths or more <= 0:
+            return
+        last = "the last column" if more == 1 else f"the last {more} columns"
+        raise InputError(
+            f"{self.path}: line {self.first_line - 1}: the header names {len(self.header)} columns, and each row has "
+            f"{len(self.header) + more} cells; name {last} too"
+        )
 
     def _cells(self, line: str) -> list[str]:
         """The cells of a row, without the empty one that a delimiter at its end makes."""
@@ -383,9 +403,11 @@ def _header(path: Path, block: bytes) -> tuple[str, int, bytes]:
         found = header_lines(block)
     except NoHeader as missing:
         names = missing.delimiter.join(("time [s]", "motor position [rad]", "motor speed [rad/s]", "current [A]"))
+        lacked = f"{missing.cells} cells, and no line above them names as many columns"
+        if missing.cells == 1:
+            lacked = "the first line is numbers: no names of columns"
         raise InputError(
-            f"{path}: line {missing.line}: {missing.cells} cells, and no line above them names as many columns; put "
-            f"one there with a name and a unit for each, as in '{names}'"
+            f"{path}: line {missing.line}: {lacked}; put one there with a name and a unit for each, as in '{names}'"
         ) from None
     if found is None:
         raise InputError(f"{path}: {'has no header line' if block else 'is empty'}; export the trace again")

@@ -124,7 +124,7 @@ def run(
     drafts = checked_drafts(guesses, given, traces)
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
         write_text(path, text, force=force)
-    guesses = guesses.as_load(drafts.behind) if drafts.behind else guesses
+    guesses = guesses.with_load(drafts.load) if drafts.load is not None else guesses
     guesses = guesses.without(tuple(drafts.left_out)).as_magnitudes(drafts.magnitudes)
     if traces:
         for guess in guesses.signals:
@@ -181,6 +181,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     from ..new_machine.units_by_numbers import with_units
 
     table = read_table(trace, needed=lambda header: ())
+    columns = ", ".join(filter(None, table.header))[:150]
     numbers = dict(zip(table.header, table.columns, strict=True))
     no_numbers = {
         name: int(np.count_nonzero(np.isnan(column))) for name, column in numbers.items() if np.isnan(column).any()
@@ -192,7 +193,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     try:
         guesses = with_kind_of_rows(guesses, numbers, of_points)
     except InputError as error:
-        raise InputError(f"{trace}: header: no time column among {', '.join(table.header)[:150]}; {error}") from None
+        raise InputError(f"{trace}: header: no time column among {columns}; {error}") from None
     guesses = with_units(*counted_on_turns(guesses, numbers), gear_ratio)
     rows = len(table.columns[0])
     empty = frozenset(name for name, count in no_numbers.items() if count == rows)
@@ -212,6 +213,8 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
             f"{name}: {unit} is a unit of a {other} machine, and by the other columns this one is {guesses.motion}, so "
             "it is not used; if the unit is wrong, correct the header and run init again"
         )
+    for name in guesses.row_counters:
+        say(f"{name}: not used, since it rises by the same step in every row, as the number of a row does")
     taken = next((guess.column for guess in guesses.signals if guess.signal == "motor_position"), "")
     for name in guesses.other_axes:
         say(
@@ -234,8 +237,13 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
                 f"{trace}: {', '.join(empty_signals)[:150]}: no cell holds one number by itself (lists hold several); "
                 "write a column for each number, as in 'motor position [rad]', and run init again"
             )
+        if holed:
+            raise InputError(
+                f"{trace}: {', '.join(guess.column for guess in holed)[:150]}: without these nothing is left to read; "
+                "fill in the cells that hold no number, or remove their rows, and run init again"
+            )
         raise InputError(
-            f"{trace}: header: no column recognised among {', '.join(table.header)[:150]}; rename them, as in "
+            f"{trace}: header: no column recognised among {columns}; rename them, as in "
             "'time [s]', 'current [A]', 'motor position [rad]'"
         )
     return guesses, holed

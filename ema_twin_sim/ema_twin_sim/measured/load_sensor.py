@@ -50,10 +50,14 @@ def times_current(recordings: Sequence[Recording]) -> float | None:
     ]
     if not pairs:
         return None
-    current, load = np.concatenate(pairs, axis=1)
+    return exact_factor(*np.concatenate(pairs, axis=1))
+
+
+def exact_factor(current: np.ndarray, load: np.ndarray) -> float | None:
+    """The factor by which a load (n,) is the current (n,), to the last digits; None if it is not."""
     known = np.isfinite(current) & np.isfinite(load)
     current, load = current[known], load[known]
-    if len(load) < FEWEST_ROWS or np.ptp(load) == 0.0:  # two constants tell nothing
+    if len(load) < FEWEST_ROWS or np.ptp(load) == 0.0 or not current.any():  # two constants tell nothing
         return None
     factor = float(current @ load / (current @ current))
     rest = load - factor * current
@@ -99,7 +103,8 @@ def left_of_the_drive(recordings: Sequence[Recording]) -> tuple[float, float] | 
 
     With the motion, 1.0 if inertia and friction would have opposite signs, which no machine has. If they act against
     the load's sign, the sensor counts the other way: then the drive must feed the motion, as friction needs, or it is
-    1.0 too. The drive is the current, or else the motor's torque. Operating points do not accelerate.
+    1.0 too. Part of the friction may be proportional to the load: it acts as the motion's torque does, and the load has
+    the greater share. The drive is the current, or else the motor's torque. Operating points do not accelerate.
     """
     points = [_rows_of_points(r) for r in recordings if r.of_points]
     rows = np.concatenate(points) if points else _all_rows(recordings)
@@ -109,16 +114,25 @@ def left_of_the_drive(recordings: Sequence[Recording]) -> tuple[float, float] | 
         return None
     constant = np.ones((len(rows), 1))
     alone = _beside(np.column_stack([constant, load]), drive)
-    columns = np.column_stack([constant, load, motion])
-    size = np.maximum(np.abs(columns).max(axis=0), np.finfo(float).tiny)
-    found, *_ = np.linalg.lstsq(columns / size, drive, rcond=None)
-    changes = float(np.std(drive))
-    parts = (found / size * np.std(columns, axis=0))[2:] / changes
-    most = parts[np.argmax(np.abs(parts))]
-    feeds = float(drive @ rows[:, _SPEED])
-    opposed = min(parts.max(), -parts.min()) > SMALL or (most * found[1] < 0.0 and most * feeds < 0.0)
-    together = 1.0 if opposed else float(np.std(drive - columns / size @ found)) / changes
-    return float(np.std(alone)) / changes, together
+    changes, feeds = float(np.std(drive)), float(drive @ rows[:, _SPEED])
+
+    def together(*friction: np.ndarray) -> float:
+        """What the load leaves with the motion, and beside ``friction`` (n,) that is proportional to it."""
+        columns = np.column_stack([constant, load, motion, *friction])
+        size = np.maximum(np.abs(columns).max(axis=0), np.finfo(float).tiny)
+        found = np.linalg.lstsq(columns / size, drive, rcond=None)[0] / size
+        parts = (found * np.std(columns, axis=0))[2 : 2 + motion.shape[1]] / changes
+        most = parts[np.argmax(np.abs(parts))]
+        opposed = min(parts.max(), -parts.min()) > SMALL or (most * found[1] < 0.0 and most * feeds < 0.0)
+        if friction and not 0.0 < found[-1] * np.sign(most) < abs(found[1]):
+            opposed = True
+        return 1.0 if opposed else float(np.std(drive - columns @ found)) / changes
+
+    left = together()
+    way = np.sign(rows[:, _SPEED])
+    if np.ptp(way) > 0.0:
+        left = min(left, together(way * np.abs(load)))
+    return float(np.std(alone)) / changes, left
 
 
 def falls_with_load(recordings: Sequence[Recording]) -> bool:

@@ -17,7 +17,7 @@ from ema_bench_replay.recording import Recording
 from ..criteria import SMALL
 from ..listing import first_of
 from ..model import Model
-from ..model.matching import matched
+from ..model.matching import BY_SPEED, matched
 from ..reading_noise import reading_noise
 from ..simulation.sensor_noise import counter_noise
 from .smoothed_motion import LEAST_PERIODS
@@ -92,6 +92,8 @@ def _noise_and_acceleration(recording: Recording, model: Model) -> tuple[float, 
     that the speed is the better sensor. The width follows from the norms of a Gaussian kernel's derivatives.
     """
     if recording.of_points or not recording.has("speed", "motor_position"):
+        return None
+    if BY_SPEED in recording.metadata:  # the integral of this very speed is no second sensor
         return None
     if standing_position(recording) is not None:  # it is quiet, and shows nothing
         return None

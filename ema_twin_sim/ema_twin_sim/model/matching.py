@@ -19,6 +19,8 @@ BY_TORQUE = "driven_by"
 """Metadata of a recording with the drive's torque instead of a current: ``{BY_TORQUE: "torque"}``."""
 BY_SPEED = "position_by"
 """Metadata of a recording with the motor's speed instead of its position: ``{BY_SPEED: "speed"}``."""
+WITHOUT_SIGN = "without_sign"
+"""Metadata of a recording that has lost magnitudes: ``{WITHOUT_SIGN: "current and motor_torque"}``."""
 _STILL = 100.0  # an output at rest travels less than 1 / this of what a rigid train would give
 _IMPOSSIBLE = 10.0  # times the drive's limit: a corrupt sample rather than a wrong unit
 
@@ -37,14 +39,17 @@ def matched(recording: Recording, model: Model) -> Recording:
     signals: dict[str, np.ndarray] = dict(recording.signals)
     origin = recording.motor_angle_origin
     metadata = dict(recording.metadata)
-    warnings = recording.warnings
+    warnings, unsigned = recording.warnings, []
     for name in MAY_BE_MAGNITUDES:
         if metadata.pop(f"{name}{KIND}", None) is not None and signals.pop(name, None) is not None:
+            unsigned.append(name)
             warnings = (
                 *warnings,
                 f"{recording.name}: the {name.replace('_', ' ')} is a magnitude, which does not tell "
                 "which way it acts: left out",
             )
+    if unsigned:
+        metadata[WITHOUT_SIGN] = " and ".join(unsigned)
     for name in AT_EITHER_SHAFT:
         if metadata.pop(f"{name}{AT}", None) is not None and name in signals:
             ratio = model.value("machine.gear_ratio")

@@ -20,7 +20,8 @@ from ema_bench_replay.units import units_of
 from .column_quantity import has_word, word_quantity
 from .column_words import MOTOR_ITSELF, OUTPUT, SLIDES
 from .joints import ONE_JOINT, Joint, Numbered, one_joint
-from .signal_columns import choose_signals, drive_command, signal_column, supply_current
+from .row_counters import row_counters
+from .signal_columns import choose_signals, drive_command, other_torques, signal_column, supply_current
 from .time_column import is_assumed, time_column
 
 _ORDER = (
@@ -74,6 +75,8 @@ class Guesses:
     joint: Joint = ONE_JOINT  # whose columns they are, if a trace holds those of several joints
     other_motion: tuple[str, ...] = ()  # columns not used since their units are those of the other kind of motion
     other_axes: tuple[str, ...] = ()  # positions not used since another goes with the speed more
+    other_torques: tuple[Guess, ...] = ()  # torques beside the motor's, as the loads that they may be
+    row_counters: tuple[str, ...] = ()  # columns not used since they only number the rows
 
     @property
     def drives(self) -> bool:
@@ -95,15 +98,15 @@ class Guesses:
         told = tuple(replace(each, shaft_doubt=doubt) if each.signal == signal else each for each in self.signals)
         return replace(self, signals=told)
 
-    def as_load(self, doubt: str) -> Guesses:
-        """The same with the motor's torque taken for the load, and why."""
-        behind = tuple(
-            replace(each, signal="load_torque", of_output=True, shaft_doubt=doubt)
-            if each.signal == "motor_torque"
-            else each
-            for each in self.signals
+    def with_load(self, load: Guess) -> Guesses:
+        """The same with a column taken for the load, whatever it was taken for."""
+        signals = (load, *(each for each in self.signals if each.column != load.column))
+        return replace(
+            self,
+            signals=tuple(sorted(signals, key=lambda each: _ORDER.index(each.signal))),
+            left=tuple(name for name in self.left if name != load.column),
+            other_torques=(),
         )
-        return replace(self, signals=tuple(sorted(behind, key=lambda each: _ORDER.index(each.signal))))
 
     @property
     def both_encoders(self) -> bool:
@@ -133,7 +136,8 @@ def guess_columns(
         raise InputError(
             f"header: column {time.name!r} holds no numbers; export the time in s or ms, counted from the start"
         )
-    usable = [read for read in names if read is not time and read.name not in no_numbers]
+    counters = row_counters(names, numbers, time)
+    usable = [read for read in names if read is not time and read.name not in {*no_numbers, *counters}]
     whole = {name: values for name, values in numbers.items() if name not in no_numbers}
     of_joint, usable = one_joint([_numbered(read) for read in usable], whole, joint)
     other_motion = tuple(
@@ -162,13 +166,25 @@ def guess_columns(
         )
         for signal, column in sorted(taken.items(), key=lambda item: _ORDER.index(item[0]))
     )
+    loads = tuple(
+        Guess("load_torque", column.name, _unit(column.read, "load_torque", motion), of_output=True)
+        for column in other_torques(columns, taken)
+        if column.name in whole
+    )
     used = {column.name for column in taken.values()}
     left = tuple(name for name in header if name not in used and (time is None or name != time.name))
     guesses = _timed(time, signals, left, motion)
     if guesses.time is not None and time is not None and is_assumed(time, numbers):
         doubt = "taken for the time by its unit alone, though its steps are uneven"
         guesses = replace(guesses, time=replace(guesses.time, doubt=doubt))
-    return replace(guesses, joint=of_joint, other_motion=other_motion, other_axes=other_axes)
+    return replace(
+        guesses,
+        joint=of_joint,
+        other_motion=other_motion,
+        other_axes=other_axes,
+        other_torques=loads,
+        row_counters=counters,
+    )
 
 
 def named_columns(named: Mapping[str, str]) -> Guesses:

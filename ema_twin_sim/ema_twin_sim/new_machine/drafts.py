@@ -18,6 +18,7 @@ from ema_bench_replay.traces.header_words import header_words
 from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.units import unit_in
 
+from ..listing import first_of
 from ..measured.drive_regression import sign_of_drive
 from ..measured.load_sensor import falls_with_load, follows_load, times_current
 from ..measured.scales import to_own_units
@@ -27,13 +28,14 @@ from ..model.constants import CONSTANTS
 from ..quantities import quantity
 from .columns import Guess, Guesses
 from .given import Given
+from .load_by_numbers import load_by_numbers
 from .map_draft import draft_map
 from .model_draft import ModelDraft, draft_model, farthest
 from .position_beside_speed import not_summed, unlike_speed
 from .rows import may_be_points
 from .shaft import Shaft, is_possible, position_shaft, ratio_of_positions, too_slow_for_a_motor
 from .signal_columns import is_quadrature
-from .torque_beside_current import measured_behind, not_proportional
+from .torque_beside_current import not_proportional
 from .unit_questions import questions_about_units
 from .unsigned_drive import unsigned_signals
 
@@ -55,7 +57,7 @@ class Drafts(NamedTuple):
     warnings: tuple[str, ...] = ()
     known: tuple[str, ...] = ()
     magnitudes: frozenset[str] = frozenset()  # signals that the map reads as magnitudes without sign
-    behind: str = ""  # why the torque is taken for one that is measured behind the machine, if its name did not say so
+    load: Guess | None = None  # the column that is taken for the load, with the reason, if its name did not say so
 
 
 def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Drafts:
@@ -79,8 +81,9 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     magnitudes = frozenset(guess.signal for guess in guesses.signals if guess.magnitude)
     if new := unsigned_signals(recordings) - magnitudes:
         return checked_drafts(guesses.as_magnitudes(new), given, traces)
-    if why := _behind(recordings, guesses):
-        return checked_drafts(guesses.as_load(why), given, traces)
+    behind, unknown = load_by_numbers(recordings, guesses, lambda tried: _read(draft_map(tried, of, shaft), traces))
+    if behind is not None:
+        return checked_drafts(guesses.with_load(behind), given, traces)
     reason = _no_load(recordings, guesses.motion)
     not_load = f"not used as the load: {reason}" if reason else ""
     of_signal = {
@@ -140,10 +143,17 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         )
     model = checked_model([_without(recording, magnitudes) for recording in recordings], given, shaft, source)
     if drives and not turned_drive:
-        sign = _sign_of_drive(recordings, model)
-        if sign < 0:  # all else is judged again with it
+        signs = _signs_of_drive(recordings, model)
+        turned = [recording.name for recording, sign in zip(recordings, signs, strict=True) if sign < 0]
+        if turned and 1 not in signs:  # all else is judged again with it
             return checked_drafts(replace(as_guessed, signals=_all_turned(as_guessed, _DRIVE)), given, traces)
-        if sign > 0:
+        if turned:
+            assumed.append(
+                f"{drives}: positive drives forwards, though it acts against the motion in {first_of(turned)} "
+                f"({len(turned)} of {sum(sign != 0 for sign in signs)} recordings that show a sign; if these were "
+                "recorded with the opposite sign, read them by a map of their own, with `factor: -1` in its line)"
+            )
+        elif 1 in signs:
             shown.append(f"sign of {drives} (positive drives forwards)")
         else:
             assumed.append(
@@ -160,11 +170,11 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         model.text,
         asked,
         (*assumed, *model.assumed),
-        left_out,
+        {**left_out, **unknown},
         warnings,
         tuple(shown),
         magnitudes,
-        next((guess.shaft_doubt for guess in as_guessed.signals if guess.signal == "load_torque"), ""),
+        next((guess for guess in as_guessed.signals if guess.signal == "load_torque" and guess.shaft_doubt), None),
     )
 
 
@@ -201,23 +211,6 @@ def _no_load(recordings: Sequence[Recording], motion: str) -> str:
             f"it is {constant} times the current, so the drive computed it (give --torque-constant to use that factor)"
         )
     return "" if follows_load(recordings) else "the drive's torque does not follow it"
-
-
-def _behind(recordings: Sequence[Recording], guesses: Guesses) -> str:
-    """Why a torque in a known unit is measured behind the machine, though its name does not say so; else empty."""
-    found = {guess.signal: guess for guess in guesses.signals}
-    current, torque = found.get("current"), found.get("motor_torque")
-    if current is None or torque is None or torque.unit is None or torque.of_motor or "load_torque" in found:
-        return ""
-    if torque.command or torque.magnitude or current.magnitude or not_proportional(recordings) is None:
-        return ""
-    left = measured_behind(recordings)
-    if left is None:
-        return ""
-    return (
-        "taken for the load, measured behind the machine, since together with inertia and friction it explains "
-        f"{current.column} ({100.0 * left:.0f} % is left)"
-    )
 
 
 def _not_the_motors(recordings: Sequence[Recording], guesses: Guesses, given: Given) -> str:
@@ -270,16 +263,16 @@ def _all_turned(guesses: Guesses, signals: Sequence[str]) -> tuple[Guess, ...]:
     return tuple(replace(each, turned_round=True) if each.signal in signals else each for each in guesses.signals)
 
 
-def _sign_of_drive(recordings: Sequence[Recording], model: ModelDraft) -> int:
-    """Whether current or torque drives the motion as read (1) or reversed (-1) in the longest motion; 0: undecided."""
+def _signs_of_drive(recordings: Sequence[Recording], model: ModelDraft) -> list[int]:
+    """Whether current or torque drives each recording's motion as read (1) or reversed (-1); 0: undecided."""
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / "model.yaml"
         place.write_text(model.text)
         try:
-            (own, *_), its_model = to_own_units([farthest(recordings)], load_model(place))
-            return sign_of_drive(own, its_model)
+            own, its_model = to_own_units(recordings, load_model(place))
+            return [sign_of_drive(recording, its_model) for recording in own]
         except InputError:  # whatever needs the motion will report this
-            return 0
+            return [0] * len(recordings)
 
 
 def _of_the_output(guess: Guess, why: str) -> Guess:

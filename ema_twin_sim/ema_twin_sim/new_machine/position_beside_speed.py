@@ -13,11 +13,13 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 from ema_bench_replay.traces.wrapped_angle import counted_on
 
-from ..criteria import LIKELY, MOSTLY, PART, SMALL
+from ..criteria import LIKELY, MOSTLY, NEGLIGIBLE, PART, SMALL, SPIKE
+from ..measured.spoilt_samples import spoilt
 from ..measured.way_by_speed import FEWEST, travelled_by_speed
 from ..reading_noise import reading_noise
 
 _PARTS = (20, 40, 100)  # of a recording, over each of which the ways are compared
+_TRIMMED = 5  # times that the rows that are farthest off are left out anew
 
 
 def not_summed(recordings: Sequence[Recording]) -> str:
@@ -34,10 +36,19 @@ def not_summed(recordings: Sequence[Recording]) -> str:
 
 
 def unlike_speed(recordings: Sequence[Recording]) -> str:
-    """Why a motor position is none if it has nothing to do with the speed in any recording; else empty."""
+    """Why a motor position is none if it has nothing to do with the speed in any recording; else empty.
+
+    It may do so between jumps, as where a recording is put together of pieces.
+    """
     judged = [recording for recording in recordings if _shows_motion(recording)]
     if not judged or any(_goes_with_speed(recording) for recording in judged):
         return ""
+    jumps = [found for found in map(_jumps, judged) if found > 0]
+    if jumps and len(jumps) == len(judged):
+        return (
+            f"not used: in {sum(jumps)} of {sum(map(len, judged))} rows it jumps farther than the speed goes, though "
+            "it goes with that between these (are samples missing there, or are single values wrong?)"
+        )
     return "not used: it has nothing in common with the integral of the speed"
 
 
@@ -69,7 +80,29 @@ def _alike_if_counted_on(position: np.ndarray, travelled: np.ndarray) -> float:
 
 
 def _goes_with_speed(recording: Recording) -> bool:
-    return _alike(_position(recording), travelled_by_speed(recording)) >= PART
+    position, wrong = _position(recording), spoilt(recording.signals["motor_position"])
+    if np.mean(wrong) < NEGLIGIBLE:  # these are left out wherever the recording is used
+        position = np.where(wrong, np.nan, position)
+    return _alike(position, travelled_by_speed(recording)) >= PART
+
+
+def _jumps(recording: Recording) -> int:
+    """In how many rows a position goes far beyond the speed, if it goes with it in all others; else 0."""
+    steps, ways = np.diff(recording.signals["motor_position"]), np.diff(travelled_by_speed(recording))
+    known = np.isfinite(steps) & np.isfinite(ways)
+    steps, ways = steps[known], ways[known]
+    kept = np.ones(len(steps), bool)
+    left = np.abs(steps)
+    for _ in range(_TRIMMED):
+        kept = left <= np.quantile(left, 1.0 - SMALL) if len(left) else kept
+        square = float(ways[kept] @ ways[kept])
+        if not square > 0.0:
+            return 0
+        left = np.abs(steps - float(ways[kept] @ steps[kept]) / square * ways)
+    size = float(np.linalg.norm(steps[kept]) * np.linalg.norm(ways[kept]))
+    if kept.sum() < FEWEST or not abs(float(steps[kept] @ ways[kept])) >= PART * size > 0.0:
+        return 0
+    return int(np.count_nonzero(left > SPIKE * float(np.sqrt(np.mean(left[kept] ** 2)))))
 
 
 def _shows_motion(recording: Recording) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 from ema_bench_replay.traces.header_words import HeaderWords
 
 from ..criteria import SMALL
+from ..measured.load_sensor import exact_factor
 from .column_quantity import has_word, word_quantity
 from .column_words import (
     ACCELERATION_UNIT,
@@ -90,7 +91,8 @@ def choose_signals(
             taken[signal] = found[0]
 
     take("temperature", of("temperature"))
-    torques, currents = of("torque"), of("current")
+    currents = of("current")
+    torques = sorted(of("torque"), key=lambda c: (c.shaft != "motor", not _of_a_current(c, currents, numbers)))
     behind = [c for c in torques if c.shaft == "output" or (c.shaft == "" and currents and _measured_behind(c))]
     take("motor_torque", [c for c in torques if c not in behind])
     take("load_torque", behind)
@@ -133,6 +135,21 @@ def _of_other_axes(
 def _of_one_train(one: Column, other: Column, numbers: Mapping[str, np.ndarray]) -> bool:
     """Whether two positions always move together, or always against each other; False if there are no numbers."""
     return bool(numbers) and likeness(numbers[one.name], numbers[other.name]) > 1.0 - SMALL
+
+
+def other_torques(columns: Sequence[Column], taken: Mapping[str, Column]) -> list[Column]:
+    """Measured torques beside the motor's that may be a load's, though no name says so; none without a current."""
+    if not {"current", "motor_torque"} <= taken.keys() or "load_torque" in taken:
+        return []
+    unsaid = [c for c in columns if c.quantity == "torque" and not c.setpoint and c.shaft == ""]
+    return [c for c in unsaid if c not in taken.values() and not has_word(c.read.words, FILTERED)]
+
+
+def _of_a_current(torque: Column, currents: Sequence[Column], numbers: Mapping[str, np.ndarray]) -> bool:
+    """Whether a torque is a factor times a current, to the last digits, so that the drive computed it."""
+    if torque.name not in numbers:
+        return False
+    return any(exact_factor(numbers[c.name], numbers[torque.name]) is not None for c in currents if c.name in numbers)
 
 
 def _measured_behind(torque: Column) -> bool:

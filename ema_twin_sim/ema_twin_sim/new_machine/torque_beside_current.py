@@ -16,7 +16,7 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..criteria import FEWEST_ROWS, MOSTLY, NEGLIGIBLE, SMALL, TOO_MUCH
-from ..measured.load_sensor import left_of_the_drive
+from ..measured.load_sensor import falls_with_load, left_of_the_drive
 from ..reading_noise import reading_noise
 
 
@@ -53,6 +53,27 @@ def measured_behind(recordings: Sequence[Recording]) -> float | None:
         return None
     alone, with_motion = left
     return with_motion if with_motion <= min(SMALL, (1.0 - MOSTLY) * alone) else None
+
+
+def counts_against(recordings: Sequence[Recording]) -> bool:
+    """Whether the current falls where the torque rises, in motion both ways: then a load's sensor has the other sign.
+
+    What the motor makes of its current rises with it. A current without sign, as of a supply or of a motor that is
+    magnetised too, falls where a torque that is always negative rises.
+    """
+    both = [r for r in recordings if r.has("current", "motor_torque")]
+    current = np.concatenate([_known(r)[0] for r in both]) if both else np.zeros(0)
+    if not len(current) or min(np.mean(current < 0.0), np.mean(current > 0.0)) < NEGLIGIBLE:
+        return False
+    return falls_with_load([_as_load(r) for r in both])
+
+
+def with_load_as_torque(recording: Recording) -> Recording:
+    """The recording with its load, if it has one, in place of the motor's torque, to be judged as such."""
+    signals = {name: values for name, values in recording.signals.items() if not name.endswith("_torque")}
+    if recording.has("load_torque"):
+        signals["motor_torque"] = recording.signals["load_torque"]
+    return replace(recording, signals=signals)
 
 
 def _as_load(recording: Recording) -> Recording:

@@ -13,6 +13,7 @@ from ema_bench_replay.recording import Recording
 from ema_bench_replay.traces.lacked_columns import lacked_columns
 
 from ..model import Model
+from ..model.matching import WITHOUT_SIGN
 from ..model.own_units import shown
 from ..plant.layout import BENCH, TWIN
 from .behind_motor import of_encoders_alone, twin_behind_motor
@@ -58,6 +59,13 @@ def choose_input(recording: Recording, model: Model, wanted: str | None = None) 
         raise InputError(f"input '{chosen}' is not known; give setpoint, current or command")
     if wanted is None and not recording.has(DRIVING[chosen]):  # neither a speed setpoint nor a current
         lacked = lacked_columns(recording, ("current", "motor_torque"))
+        unsigned = recording.metadata.get(WITHOUT_SIGN)
+        if unsigned is not None and not lacked:
+            raise InputError(
+                f"{recording.name}: has no current and no torque of the drive with a sign, which a twin needs; its "
+                f"import map reads {unsigned} as a magnitude. Record the motor's current with its sign; if a load that "
+                "always pulls one way keeps it positive, take `magnitude: true` out of the map"
+            )
         remedy = lacked or (
             f"it holds {', '.join(recording.signals)}. Map a column as current or motor_torque; a voltage that "
             "commands the torque is mapped as motor_torque with a `gain`"
