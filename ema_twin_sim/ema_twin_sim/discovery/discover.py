@@ -58,7 +58,7 @@ from .shares import of_sums, with_division
 from .split import ClosedLoop, with_best_split
 from .torque_constant import with_assumed_constant_free, with_factor_as_constant, with_factor_in_the_constant
 from .unmoved import beside_constants_as_filed, freed, with_unmoved_constants
-from .unseen import Unseen, gain_where_unseen, judge_unseen
+from .unseen import Judge, Unseen, gain_where_unseen
 
 
 @dataclass(frozen=True)
@@ -182,14 +182,15 @@ def discover(
     found = with_unmoved_constants(loop, found) if known else found
     progress("judging on held-out recordings")
     began = began if model.is_open else in_si(model)
-    unseen = judge_unseen(rotary, began, noise, found)
+    judge = Judge(rotary, began, noise)
+    unseen = judge(found)
     kept: set[frozenset[str]] = set()
     idle, gearbox = idle_effects(found, unseen, kept) if known or model.is_open else ((), False)
     while idle:
         before = {*found.fit.hypothesis.added}
         shown_over = tuple(dict.fromkeys(shows_over(found, name) for name in idle))
         fewer = less(found, idle, "it hardly improves the simulated loop")
-        beside = judge_unseen(rotary, began, noise, fewer)
+        beside = judge(fewer)
         less_error = beside.moving[-1]
         if not fewer.fit.hypothesis.added:  # the given constants may do better than those fitted without effects
             less_error = min(less_error, beside.moving[0])
@@ -211,7 +212,7 @@ def discover(
     if not known and found.fit.hypothesis.added and not stands and not model.is_open:
         progress("judging with the constants of the model file")
         held = beside_constants_as_filed(found)
-        beside = judge_unseen(rotary, began, noise, held)
+        beside = judge(held)
         stands = beside.betters or (not beside.worsens and _told_by_rows(found.fit))
         if stands and beside.moving[-1] < unseen.moving[-1]:
             found, unseen = freed(held, found), beside
@@ -221,7 +222,7 @@ def discover(
         # constants that were unknown are better fitted than left at their guesses
         bare = settle(fit(found.problem, null)) if model.is_open else fit(found.problem, null, 0)
         found = found.ended(bare, "it does not improve the model given what remains unexplained")
-        unseen = judge_unseen(rotary, began, noise, found, as_given=not model.is_open)
+        unseen = judge(found, as_given=not model.is_open)
     elif known:  # only after all is judged: these numbers are fitted to all recordings together
         found = with_followed_numbers(loop, found)
     as_given = as_given and not model.is_open

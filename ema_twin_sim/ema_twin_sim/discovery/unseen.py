@@ -13,6 +13,7 @@ from ema_bench_replay.recording import Recording
 from ..comparison.beyond_noise import told_share
 from ..comparison.running_comparison import share_removed
 from ..criteria import CLEARLY_MORE, STANDSTILL
+from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit, fit
 from ..identification.uncertainty import held_out
 from ..identification.unseen_encoders import parting
@@ -203,82 +204,102 @@ def _moving(o: Observation, recording: Recording, model: Model) -> np.ndarray:
     return np.interp(recording.time / second, o.motion[:, TIME], np.abs(o.motion[:, SPEED])) >= STANDSTILL
 
 
-def judge_unseen(
-    recordings: Sequence[Recording],
-    given: Model,
-    noise: Mapping[str, float],
-    found: Search,
-    *,
-    as_given: bool = False,
-) -> Unseen:
-    """Simulate every recording (SI) after every round, with the numbers fitted to the other recordings.
+class Judge:
+    """Simulates recordings after every round of a search. What was simulated for a fit is not simulated again.
 
-    ``given`` (SI) is the model as it was given, ``noise`` the noise floor of all recordings. With ``as_given`` the end
-    is the given model, unchanged.
+    ``recordings`` are in SI, ``given`` (SI) is the model as it was given, ``noise`` the noise floor of all recordings.
     """
-    problem, base = found.problem, found.fit.hypothesis.base
-    inputs = [choose_input(recording, base) for recording in recordings]
-    driven = any(source == "current" for source in inputs)  # one main signal for all recordings
-    if driven:
-        inputs = ["current"] * len(recordings)
-    signal, unit = ("unexplained_torque", "N m") if driven else ("current", "A")
-    if {*inputs} == {BY_MOTOR}:
-        signal, unit = "output_position", "rad"
-    fits: list[Fit] = [found.rounds[0].before, *(turn.after for turn in found.taken)]
-    if len(fits) == 1 or fits[-1] is not found.fit:
-        fits.append(found.fit)
-    moving = [
-        _moving(o, recording, base) if driven else np.ones(len(recording), bool)
-        for o, recording in zip(problem.observations, recordings, strict=True)
-    ]
-    cases = list(zip(recordings, inputs, moving, strict=True))
-    jobs: list[tuple[Recording, str, np.ndarray, Model]] = [(*case, given) for case in cases]
-    of_output: list[float] = []
-    for f in fits:
-        untouched = as_given and f is found.fit
-        if untouched:
-            numbers, left = [f.hypothesis.values] * len(recordings), problem.residual(problem.predict(f.hypothesis))
-        else:
-            numbers, left = held_out(problem, f)
-        if driven and problem.rows > problem.size:
-            of_output.append(parting(problem, left))
-        jobs += [
-            (*case, given if untouched else in_si(f.hypothesis.at(values).model()))
-            for case, values in zip(cases, numbers, strict=True)
-        ]
 
-    signals = (signal, "output_position")
-    table = np.array(list(simulations(lambda job: squares(job[3], job[0], job[1], signals, job[2]), jobs)))
-    table = table.reshape(1 + len(fits), len(recordings), len(signals) + 1, 2)
-    squared, counts = table[..., 0], table[..., 1]
-    each = np.sqrt(squared[:, :, 0] / np.maximum(counts[:, :, 0], 1))
-    pooled = np.sqrt(squared.sum(axis=1) / np.maximum(counts.sum(axis=1), 1))
-    if signal == "current" and counts[:, :, 1].sum(axis=1).all():
-        of_output = [float(value) for value in pooled[:, 1]]
-    elif of_output:
-        of_output = [parting(problem, problem.residual(problem.predict(fits[0].hypothesis))), *of_output]
-    first = int(base.is_open)
-    judged_from = float(pooled[first, -1]), of_output[first] if of_output else None
-    if as_given or not pooled[1, 0] < pooled[0, 0]:  # fitting open constants while an effect is missing may mislead
-        pooled[1], each[1] = pooled[0], each[0]
-        of_output[1:2] = of_output[:1]
-    unseen = Unseen(
-        signal,
-        unit,
-        noise[signal],
-        tuple(float(value) for value in pooled[1:, 0]),
-        tuple((r.name, tuple(float(v) for v in each[1:, k])) for k, r in enumerate(recordings)),
-        tuple(of_output[1:]),
-        driven and bool(of_output),
-        float(pooled[0, 0]),
-        tuple(float(value) for value in each[0]),
-        of_output[0] if of_output else None,
-        tuple(float(value) for value in pooled[1:, -1]),
-        *judged_from,
-    )
-    if signal == "current" and by_torque(recordings):
-        return unseen.as_torque(given.value("machine.torque_constant"))
-    return unseen
+    def __init__(self, recordings: Sequence[Recording], given: Model, noise: Mapping[str, float]) -> None:
+        self.recordings = recordings
+        self.given = given
+        self.noise = noise
+        self._simulated: dict[tuple[EquationErrorProblem, Fit | None], np.ndarray] = {}
+        self._held_out: dict[tuple[EquationErrorProblem, Fit], tuple[list[np.ndarray], np.ndarray]] = {}
+
+    def __call__(self, found: Search, *, as_given: bool = False) -> Unseen:
+        """The errors after every round, each recording with the numbers fitted to the others.
+
+        With ``as_given`` the end is the given model, unchanged.
+        """
+        recordings, problem, base = self.recordings, found.problem, found.fit.hypothesis.base
+        inputs = [choose_input(recording, base) for recording in recordings]
+        driven = any(source == "current" for source in inputs)  # one main signal for all recordings
+        if driven:
+            inputs = ["current"] * len(recordings)
+        signal, unit = ("unexplained_torque", "N m") if driven else ("current", "A")
+        if {*inputs} == {BY_MOTOR}:
+            signal, unit = "output_position", "rad"
+        fits: list[Fit] = [found.rounds[0].before, *(turn.after for turn in found.taken)]
+        if len(fits) == 1 or fits[-1] is not found.fit:
+            fits.append(found.fit)
+        moving = [
+            _moving(o, recording, base) if driven else np.ones(len(recording), bool)
+            for o, recording in zip(problem.observations, recordings, strict=True)
+        ]
+        cases = list(zip(recordings, inputs, moving, strict=True))
+        fitted = fits[:-1] if as_given else fits
+        ends: list[Fit | None] = [None, *fitted, *([None] if as_given else [])]
+        table = self._squares(problem, ends, cases, (signal, "output_position"))
+        squared, counts = table[..., 0], table[..., 1]
+        each = np.sqrt(squared[:, :, 0] / np.maximum(counts[:, :, 0], 1))
+        pooled = np.sqrt(squared.sum(axis=1) / np.maximum(counts.sum(axis=1), 1))
+        of_output: list[float] = []
+        if signal == "current" and counts[:, :, 1].sum(axis=1).all():
+            of_output = [float(value) for value in pooled[:, 1]]
+        elif driven and problem.rows > problem.size:
+            unmoved = [f.hypothesis for f in (fits[0], *(fits[-1:] if as_given else []))]
+            first, *last = (problem.residual(problem.predict(h)) for h in unmoved)
+            left = [first, *(self._by_others(problem, f)[1] for f in fitted), *last]
+            of_output = [parting(problem, residual) for residual in left]
+        start = int(base.is_open)
+        judged_from = float(pooled[start, -1]), of_output[start] if of_output else None
+        if as_given or not pooled[1, 0] < pooled[0, 0]:  # fitting open constants while an effect is missing may mislead
+            pooled[1], each[1] = pooled[0], each[0]
+            of_output[1:2] = of_output[:1]
+        unseen = Unseen(
+            signal,
+            unit,
+            self.noise[signal],
+            tuple(float(value) for value in pooled[1:, 0]),
+            tuple((r.name, tuple(float(v) for v in each[1:, k])) for k, r in enumerate(recordings)),
+            tuple(of_output[1:]),
+            driven and bool(of_output),
+            float(pooled[0, 0]),
+            tuple(float(value) for value in each[0]),
+            of_output[0] if of_output else None,
+            tuple(float(value) for value in pooled[1:, -1]),
+            *judged_from,
+        )
+        if signal == "current" and by_torque(recordings):
+            return unseen.as_torque(self.given.value("machine.torque_constant"))
+        return unseen
+
+    def _by_others(self, problem: EquationErrorProblem, f: Fit) -> tuple[list[np.ndarray], np.ndarray]:
+        """The numbers to judge each recording by, and what they leave in it (see ``held_out``)."""
+        if (problem, f) not in self._held_out:
+            self._held_out[problem, f] = held_out(problem, f)
+        return self._held_out[problem, f]
+
+    def _squares(
+        self,
+        problem: EquationErrorProblem,
+        ends: Sequence[Fit | None],
+        cases: Sequence[tuple[Recording, str, np.ndarray]],
+        signals: Sequence[str],
+    ) -> np.ndarray:
+        """What ``squares`` gives (e, R, signals + 1, 2) for fits, and for the given model in the place of None."""
+        fresh = [f for f in dict.fromkeys(ends) if (problem, f) not in self._simulated]
+        jobs: list[tuple[Recording, str, np.ndarray, Model]] = []
+        for f in fresh:
+            models = [self.given] * len(cases)
+            if f is not None:
+                models = [in_si(f.hypothesis.at(values).model()) for values in self._by_others(problem, f)[0]]
+            jobs += [(*case, model) for case, model in zip(cases, models, strict=True)]
+        rows = list(simulations(lambda job: squares(job[3], job[0], job[1], signals, job[2]), jobs))
+        tables = np.array(rows).reshape(len(fresh), len(cases), len(signals) + 1, 2)
+        self._simulated |= {(problem, f): table for f, table in zip(fresh, tables, strict=True)}
+        return np.stack([self._simulated[problem, f] for f in ends])
 
 
 def gain_where_unseen(f: Fit) -> float:
