@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from contextlib import suppress
+from typing import NamedTuple
 
 import numpy as np
 
@@ -72,7 +73,10 @@ def observe(recording: Recording, model: Model, widest: float = math.inf, *, bri
     acceleration = motion[:, ACCELERATION]
     constant = model.value("machine.torque_constant")
     drive = constant * signals["current"]
-    hit, thrown = (geared * _hardest(acceleration, before, 2.0 * width, period) for before in (SHAKEN, THROWN))
+    hit, thrown = (
+        _hardest(acceleration, before, 2.0 * width, period) if geared else np.zeros(len(time))
+        for before in (SHAKEN, THROWN)
+    )
     after_impact = thrown > CHAOTIC
     centres = np.arange(len(kernel) // 2, len(time) - len(kernel) // 2, max(1, round(2.0 * width / period)))
     judged = _judged(time, period, whole, kernel)
@@ -91,24 +95,15 @@ def observe(recording: Recording, model: Model, widest: float = math.inf, *, bri
     noise = math.hypot(white, inertia * motion_noise) * shaken(hit)
     largest = min(model.value("drive.torque_limit"), LARGEST * float(np.abs(drive).max()))
     noise = np.maximum(noise, LEAST_NOISE * largest)
-    output = signals.get("output_position")
-    difference = np.zeros(len(time)) if output is None else output - signals["motor_position"] / ratio
-    count = sum(  # rad of the slow shaft, of both counters
-        model.turn / model.value(f"sensors.{side}_encoder_counts") / turns
-        for side, turns in (("output", 1.0), ("motor", ratio))
-    )
-    jumps = counter_jumps(difference, motion[:, SPEED] * period / ratio, COUNTED * count)
-    breaks = jumps != 0.0
-    motion[:, OUTPUT_ANGLE] -= np.cumsum(jumps)
-    difference = difference - np.cumsum(jumps)
-    whole_encoder = judged & (_spread(breaks, len(kernel) // 2) == 0.0)
-    encoder_rows = centres[whole_encoder[centres]] if output is not None else centres[:0]
-    if not after_impact[encoder_rows].all():
-        encoder_rows = encoder_rows[~after_impact[encoder_rows]]
-    parting = np.hypot(
-        encoder_noise(model) * float(np.linalg.norm(kernel)) * shaken(hit),
-        JITTER * smooth(difference, gaussian(width, period, 1)),
-    )
+    parted = _Parted(centres[:0], np.zeros(0), np.zeros(0), centres[:0])
+    if "output_position" in signals:
+        difference = signals["output_position"] - signals["motor_position"] / ratio
+        jumps = _counts_lost(difference, motion[:, SPEED] * period / ratio, model)
+        motion[:, OUTPUT_ANGLE] -= np.cumsum(jumps)
+        encoder_rows = centres[(judged & (_spread(jumps != 0.0, len(kernel) // 2) == 0.0))[centres]]
+        if not after_impact[encoder_rows].all():
+            encoder_rows = encoder_rows[~after_impact[encoder_rows]]
+        parted = _parted(difference, jumps, encoder_rows, kernel, gaussian(width, period, 1), hit, model)
     motor_origin, output_origin = origins_of(recording, model)
     return Observation(
         name=recording.name,
@@ -127,11 +122,50 @@ def observe(recording: Recording, model: Model, widest: float = math.inf, *, bri
         coarse=rounding_noise(raw, model, reading_noise(signals["current"])) > 0.0,
         hit=hit,
         after_impact=after_impact,
-        encoder_rows=encoder_rows,
-        encoder=_at(difference, kernel, encoder_rows),
-        encoder_noise=parting[encoder_rows],
-        encoder_piece=np.cumsum(breaks)[encoder_rows],
+        encoder_rows=parted.rows,
+        encoder=parted.encoder,
+        encoder_noise=parted.noise,
+        encoder_piece=parted.piece,
     )
+
+
+class _Parted(NamedTuple):
+    """The rows (m,) in which both encoders are judged, their difference and its noise [rad], and the piece between lost
+    counts that each is in.
+    """
+
+    rows: np.ndarray
+    encoder: np.ndarray
+    noise: np.ndarray
+    piece: np.ndarray
+
+
+def _counts_lost(difference: np.ndarray, travel: np.ndarray, model: Model) -> np.ndarray:
+    """Permanent jumps (n,) of the difference [rad, slow shaft] of both encoders, beyond what their counts explain."""
+    count = sum(
+        model.turn / model.value(f"sensors.{side}_encoder_counts") / turns
+        for side, turns in (("output", 1.0), ("motor", model.value("machine.gear_ratio")))
+    )
+    return counter_jumps(difference, travel, COUNTED * count)
+
+
+def _parted(
+    difference: np.ndarray,
+    jumps: np.ndarray,
+    rows: np.ndarray,
+    kernel: np.ndarray,
+    rate: np.ndarray,
+    hit: np.ndarray,
+    model: Model,
+) -> _Parted:
+    """The encoders' ``difference`` (n,), without its ``jumps``, in ``rows`` (m,) that are not near one.
+
+    Smoothed by a ``kernel``; a ``rate`` kernel differentiates it, since both encoders may not be read at one instant.
+    """
+    difference = difference - np.cumsum(jumps)
+    read = encoder_noise(model) * float(np.linalg.norm(kernel)) * shaken(hit)
+    noise = np.hypot(read, JITTER * smooth(difference, rate))
+    return _Parted(rows, _at(difference, kernel, rows), noise[rows], np.cumsum(jumps != 0.0)[rows])
 
 
 def _observe_points(recording: Recording, model: Model) -> Observation:
