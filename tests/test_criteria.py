@@ -93,7 +93,7 @@ METHOD = {
     "health/families.py": "_AKAIKE",
     "health/features.py": "_FEW _PEAK _LOCAL _TINY",
     "health/phases.py": "_SMOOTHED _FEWEST _TOP _STARTING _RESTING",
-    "health/remaining_life.py": "_BEYOND _HALVINGS",
+    "health/remaining_life.py": "_BEYOND",
     "health/wave.py": "FEWEST_CYCLES _FINER _NEIGHBOURS",
     "campaign/engine.py": "BATCH TASK AHEAD LARGEST DEATHS _CONNECTING",
     "campaign/healthy.py": "PART_OF_ALL",

@@ -10,7 +10,7 @@ from ema_twin_sim.measured.observe import observe
 
 @pytest.fixture(scope="module")
 def run(stock):
-    return record(stock, ["ramp:0.05"], 4.0)[0]
+    return record(stock, ["sine:0.05:0.4"], 4.0)[0]
 
 
 def without_output(run):

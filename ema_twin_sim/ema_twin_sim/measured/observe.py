@@ -100,10 +100,10 @@ def observe(recording: Recording, model: Model, widest: float = math.inf, *, bri
         difference = signals["output_position"] - signals["motor_position"] / ratio
         jumps = _counts_lost(difference, motion[:, SPEED] * period / ratio, model)
         motion[:, OUTPUT_ANGLE] -= np.cumsum(jumps)
-        rows = centres[(judged & (_spread(jumps != 0.0, len(kernel) // 2) == 0.0))[centres]]
-        if not after_impact[rows].all():
-            rows = rows[~after_impact[rows]]
-        parted = _parted(difference, jumps, rows, kernel, gaussian(width, period, 1), hit, model)
+        encoder_rows = centres[(judged & (_spread(jumps != 0.0, len(kernel) // 2) == 0.0))[centres]]
+        if not after_impact[encoder_rows].all():
+            encoder_rows = encoder_rows[~after_impact[encoder_rows]]
+        parted = _parted(difference, jumps, encoder_rows, kernel, gaussian(width, period, 1), hit, model)
     motor_origin, output_origin = origins_of(recording, model)
     return Observation(
         name=recording.name,
