@@ -140,7 +140,7 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     further = _gained(f, both, scale) - chance  # what any shape explains of that which the effect leaves
     left = (f.misfits[0] - problem.size) / scale
     if gained >= (MOSTLY if lacked else NEARLY_ALL) * (_gained(bare, any_shape, scale) - chance):
-        if lacked or over in ("order", "load") or further <= DEPENDS:
+        if lacked or over in ("order", "load") or further <= DEPENDS or problem.weighting.wander is not None:
             return True
         # what is left has the effect's own quantity, and nothing else, to depend on: then the shape is wrong
         return not follows_laws(problem, f) and further < MOSTLY * left
