@@ -383,12 +383,13 @@ def test_the_command_writes_it(tmp_path, folder, ramp, traces):
     refused("report", ramp, *before_and_after, "-o", folder / "found.json", naming=("is an input",))
 
 
-def test_what_puts_every_number_in_doubt_is_the_headline(models, recordings, findings):
-    """A current in mA that is read as A: no difference between the models is worth a headline then."""
+def test_what_puts_every_number_in_doubt_is_right_below_the_verdict(models, recordings, findings):
+    """A current in mA that is read as A: the verdict stays the headline, and the doubt is the first that follows."""
     milliamperes = [with_signals(r, {**r.signals, "current": 1e3 * r.signals["current"]}) for r in recordings[:2]]
-    text = Read(page(content_of(models, milliamperes, findings))).text
-    assert "Check this before you trust the page: 2 of 2 recordings, the worst is " in text
-    assert text.index("as if current were in mA and read as A") < text.index("lacks backlash")
+    text = page(content_of(models, milliamperes, findings))
+    assert re.search("<h1>polito_bench lacks backlash.*?</h1><p class=.warning doubt.>Check this before", text)
+    assert "Check this before you trust the page: 2 of 2 recordings, the worst is " in Read(text).text
+    assert "as if current were in mA and read as A" in Read(text).text
     assert "Check this before" not in Read(page(content_of(models, recordings[:2], findings))).text
 
 

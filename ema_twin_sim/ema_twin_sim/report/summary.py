@@ -28,9 +28,7 @@ from .markup import Markup, capitalised, items, joined, table, tag
 
 
 def verdict(content: Content) -> str:
-    """What the earlier model lacks, in one plain sentence; or what puts every number of the page in doubt."""
-    if doubts := misread(content):
-        return f"Check this before you trust the page: {doubts[0]}."
+    """What the earlier model lacks, in one plain sentence."""
     if said := backwards(content):
         return said
     before, after = content.names[:2]
@@ -61,10 +59,13 @@ def head(content: Content) -> Markup:
     )
     lead = tag("p", _lead(content), class_="lead")
     errors = error_table(content.given, content.labels)
+    told = (f"Check this before you trust the page: {text}." for text in misread(content))
+    doubts = [tag("p", text, class_="warning doubt") for text in told]
     notes = [tag("p", note, class_="aside") for note in (_called(content), content.note) if note]
     return tag(
         "header",
         tag("h1", verdict(content)),
+        *doubts,
         lead,
         *story,
         tag("div", *cards, class_="cards"),
