@@ -10,7 +10,7 @@ from recorded import with_signals
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import Recording
-from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.comparison.compare import compare, compare_all
 from ema_twin_sim.comparison.running_comparison import UNITS, RunningComparison
 from ema_twin_sim.comparison.where import Dependence
 from ema_twin_sim.simulation.command import parse_command
@@ -226,3 +226,18 @@ def test_a_wrong_unit_is_told_once_for_all_recordings_and_first(stock, recording
     assert said.startswith("2 of 2 recordings, the worst is ") and "mA and read as A" in said
     assert found.warnings[0] == said
     assert compare(recordings[:1], stock).misread == ()
+
+
+def test_models_share_the_noise_floor_of_the_best_whatever_their_order(stock, recordings):
+    """A first model whose sensors are off by far had set the floor that its successor was measured by."""
+    noisy = stock.with_value("sensors.current_noise", 1e3 * stock.value("sensors.current_noise"))
+    noisy = noisy.with_value("machine.motor_inertia", 50.0 * noisy.value("machine.motor_inertia"))
+    alone = compare(recordings[:2], stock).overall
+    for models in ((noisy, stock), (stock, noisy)):
+        for comparison in compare_all(recordings[:2], models):
+            for name, error in comparison.overall.items():
+                assert error["noise_floor"] == alone[name]["noise_floor"]
+            for recording in comparison.recordings:
+                assert {name: e["noise_floor"] for name, e in recording.signals.items()} == {
+                    name: alone[name]["noise_floor"] for name in recording.signals
+                }

@@ -393,6 +393,15 @@ def test_what_puts_every_number_in_doubt_is_right_below_the_verdict(models, reco
     assert "Check this before" not in Read(page(content_of(models, recordings[:2], findings))).text
 
 
+def test_an_error_far_below_the_noise_is_told_as_within_it(models, recordings):
+    given = shown(recordings[:1], models)
+    quiet = {"rmse": 1e-9, "relative": 1e-9, "noise_floor": 1e-3, "unit": "A", "driven": False}
+    before, after = given.comparisons
+    given = replace(given, comparisons=(before, replace(after, overall={**after.overall, "current": quiet})))
+    text = Read(page(Content(models, ("a", "b"), given, None, None, "1.2.3"))).text
+    assert "1.00 nA (within the noise)" in text and "(0.0×)" not in text
+
+
 def test_axes_leave_out_a_guess_that_hides_the_rest_and_say_so(models, recordings, written):
     """The twin of start values ran off to kA, so that the plots showed nothing of the found model's error."""
     guess = models[0].with_value("effects.viscous_friction.coefficient", 1.0)

@@ -26,6 +26,9 @@ from .content import Content, Shown, dates, signal_words
 from .difference import NewEffect, new_effects
 from .markup import Markup, capitalised, items, joined, table, tag
 
+WITHIN = 0.5
+"""Ratio of an error to the sensors' noise below which only the noise is told."""
+
 
 def verdict(content: Content) -> str:
     """What the earlier model lacks, in one plain sentence."""
@@ -229,7 +232,10 @@ def _removed(before: SignalError, after: SignalError) -> str:
 
 
 def _against_noise(error: SignalError) -> Markup:
-    times = f" ({times_noise(error):.1f}×)" if error["noise_floor"] else ""
+    """The RMSE, and its ratio to the noise; a ratio far below one says only that the noise covers the error."""
+    ratio = times_noise(error)
+    said = "within the noise" if ratio < WITHIN else f"{ratio:.1f}×"
+    times = f" ({said})" if error["noise_floor"] else ""
     kind = "good" if is_noise(error) else "plain"
     return tag("span", f"{quantity(error['rmse'], error['unit'])}{times}", class_=kind)
 
