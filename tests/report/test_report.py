@@ -148,6 +148,26 @@ def test_the_head_tells_what_was_wrong_how_sure_that_is_and_what_is_left(written
     assert "nan" not in text.lower().split() and "None" not in text
 
 
+def test_the_head_leads_with_the_error_on_recordings_not_used_for_fitting(written, models, recordings, findings):
+    head = Read(written).text.split("RMSE, measured minus twin")[0]
+    begin = "On recordings not used for fitting, the error (RMSE) of the current is 30.0 mA before, 3.00 mA with the"
+    assert head.index(begin) < head.index("On all recordings, with numbers fitted to all of them: from polito_bench")
+    assert "Current: 3.00 mA on recordings not used for fitting; with numbers fitted to all recordings" in head
+    others = replace(findings, unseen=replace(findings.unseen, recordings=(("x", (1.0,)), ("y", (1.0,)))))
+    text = Read(page(content_of(models, recordings[:2], others))).text
+    assert "From polito_bench to better, the error (RMSE) of" in text and begin not in text
+
+
+def test_rivals_of_an_effect_that_was_dropped_again_are_not_told(models, recordings, findings):
+    [step] = findings.steps
+    other = replace(
+        step, effect="cogging", instance="cogging", tried=({"names": ["cogging"], "gain": 9.0},) + step.tried
+    )
+    gone = replace(other, action="drop", reason="needless beside backlash")
+    text = Read(page(content_of(models, recordings[:1], replace(findings, steps=(other, step, gone))))).text
+    assert "Runner-up to backlash" in text and "Runner-up to cogging" not in text
+
+
 def test_its_errors_are_those_of_compare(written, models, recordings):
     text = Read(written).text
     for part in (recordings[:2], recordings[2:]):

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from ..comparison.beyond_noise import is_noise, times_noise, times_words
 from ..comparison.running_comparison import SignalError, excess_removed
+from ..criteria import NOISY
 from ..effects import catalogue
 from ..listing import listed, number_of
 from ..quantities import quantity
+from ..words.findings import UnseenErrors
 from ..words.sentences import (
     NO_RUNNER_UP,
     NOT_IN_CATALOGUE,
@@ -94,11 +97,11 @@ def _agrees(content: Content, new: list[NewEffect]) -> bool:
 
 
 def _lead(content: Content) -> str:
-    """Sentences on how the errors of the main signals changed."""
+    """Sentences on how the errors of the main signals changed; leads with those on recordings not used for fitting."""
     first, second = content.given.comparisons[:2]
     if not content.given.headlines:
         return "No signal in these recordings distinguishes the models."
-    parts = []
+    parts, unseen = [], _unseen(content)
     for name in content.given.headlines:
         before, after = first.overall[name], second.overall[name]
         began, ended = (quantity(error["rmse"], error["unit"]) for error in (before, after))
@@ -112,7 +115,25 @@ def _lead(content: Content) -> str:
         f" {refit} The effects found account for the rest." if refit and findings and findings.added else f" {refit}"
     )
     of = f"From {content.names[0]} to {content.names[1]}" if len(content.models) == 2 else "With the effects found"
-    return f"{of}, the error (RMSE) of{said}.{alone} {_fitted(content)}".strip()
+    if unseen is None:
+        return f"{of}, the error (RMSE) of{said}.{alone} {_fitted(content)}".strip()
+    began = quantity(unseen.rmse[0] if unseen.given is None else unseen.given, unseen.unit)
+    changes = f"{began} before, {quantity(unseen.rmse[-1], unseen.unit)} with the effects found"
+    judged = f"On recordings not used for fitting, the error (RMSE) of the {signal_words(unseen.signal)} is {changes}."
+    of = f"{of[:1].lower()}{of[1:]}"
+    fitted = f"On all recordings, with numbers fitted to all of them: {of}, the error of{said}."
+    return f"{judged}{alone} {fitted} {_fitted(content)}".strip()
+
+
+def _unseen(content: Content) -> UnseenErrors | None:
+    """The errors on recordings not used for fitting, if the search found the later model with these recordings."""
+    findings = content.findings
+    unseen = findings.unseen if findings is not None else None
+    if unseen is None or len(unseen.recordings) < 2 or unseen.signal not in content.given.headlines:
+        return None
+    searched = {name for name, _ in unseen.recordings} == {recording.name for recording in content.given.recordings}
+    new = new_effects(*content.before_and_after, findings)
+    return unseen if searched and new and _agrees(content, new) and math.isfinite(unseen.rmse[-1]) else None
 
 
 def _fitted(content: Content) -> str:
@@ -167,7 +188,12 @@ def _sure(content: Content) -> list[Markup]:
         lines.append(f"A search on these recordings gives a different result from {content.names[1]}: {said}")
     if findings.ranking:
         lines.append(_probabilities(content))
-    runners = {step.instance: why_step(step) for step in findings.steps if step.action == "add"}
+    runners: dict[str, str] = {}
+    for step in findings.steps:
+        if step.action == "add":
+            runners[step.instance] = why_step(step)
+        else:
+            runners.pop(step.instance, None)  # dropped again: its rivals no longer matter
     lines += [f"Runner-up to {effect_words(name)}: {why}." for name, why in runners.items() if why != NO_RUNNER_UP]
     if unrivalled := [effect_words(name) for name, why in runners.items() if why == NO_RUNNER_UP]:
         lines.append(f"No other effect came close to {listed(unrivalled)}.")
@@ -176,7 +202,7 @@ def _sure(content: Content) -> list[Markup]:
     elif findings.verdict == "explained":
         lines.append("No other effect of the catalogue explains these recordings as well.")
     if findings.unseen is not None and len(findings.unseen.recordings) > 1:
-        lines.append("Evaluated on recordings that were not used for fitting.")
+        lines.append("The effects were judged on recordings that were not used for fitting.")
     return [items(*lines)]
 
 
@@ -193,17 +219,22 @@ def _probabilities(content: Content) -> str:
 
 
 def _left(content: Content) -> list[Markup]:
-    second = content.given.comparisons[1]
+    second, unseen = content.given.comparisons[1], _unseen(content)
     lines = []
     for name in content.given.headlines:
         error = second.overall[name]
         rmse = quantity(error["rmse"], error["unit"])
-        if is_noise(error):
-            lines.append(f"{capitalised(signal_words(name))}: {rmse}, the sensors' noise.")
-            continue
         where = next((found.sentence() for found in second.where if found.signal == name), "")
-        times = times_words(times_noise(error))
-        lines.append(f"{capitalised(signal_words(name))}: {rmse}, {times} the sensors' noise. {where}".strip())
+        noise = "the sensors' noise"
+        if not is_noise(error):
+            noise = f"{times_words(times_noise(error))} {noise}"
+        if unseen is not None and name == unseen.signal:
+            apart = quantity(unseen.rmse[-1], unseen.unit)
+            if unseen.noise_floor > 0.0 and unseen.rmse[-1] > NOISY * unseen.noise_floor:
+                apart += f", {times_words(unseen.rmse[-1] / unseen.noise_floor)} the sensors' noise"
+            rmse = f"{apart} on recordings not used for fitting; with numbers fitted to all recordings {rmse}"
+        said = f"{capitalised(signal_words(name))}: {rmse}, {noise}."
+        lines.append(said if is_noise(error) else f"{said} {where}".strip())
     findings = content.findings
     if findings is not None and findings.stopped:
         lines.append(f"The search ended: {findings.stopped}.")
