@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.load import load
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.model import load_model, save_model
@@ -357,6 +358,21 @@ def test_dates_of_recordings(recordings):
     made = Recording("made", recordings[0].stamps, recordings[0].signals, start=1_773_480_060_000_000_000)
     assert dates([made]) == "2026-03-14 09:21 UTC"
     assert dates([made, recordings[0]]) == "2026-03-14 09:21 UTC (1 without a date)"
+
+
+@pytest.mark.parametrize(
+    ("first", "said"),
+    [("01.03.2026 12:00:00,00{k}", "2026-03-01 12:00"), ("12:00:00,00{k}", "no date in the files")],
+)
+def test_the_date_of_a_trace_is_that_of_its_time_stamps(tmp_path, first, said):
+    rows = (f"{first.format(k=k)};0,1;{0.01 * k:.2f}".replace("0.", "0,") for k in range(9))
+    (tmp_path / "a.csv").write_text("\n".join(["Zeit;Strom [A];Winkel [rad]", *rows]))
+    (tmp_path / "map.yaml").write_text(
+        "version: 1\ntime: {column: Zeit, unit: s}\nsignals:\n"
+        "  current: {columns: ['Strom \\[A\\]'], unit: A}\n"
+        "  motor_position: {columns: ['Winkel \\[rad\\]'], unit: rad}\n"
+    )
+    assert dates([load(tmp_path / "a.csv", import_map=tmp_path / "map.yaml")]) == said
 
 
 def test_axes_take_a_unit_that_reads_well():
