@@ -162,7 +162,7 @@ def test_the_head_leads_with_the_error_on_recordings_not_used_for_fitting(writte
 def test_rivals_of_an_effect_that_was_dropped_again_are_not_told(models, recordings, findings):
     [step] = findings.steps
     other = replace(
-        step, effect="cogging", instance="cogging", tried=({"names": ["cogging"], "gain": 9.0},) + step.tried
+        step, effect="cogging", instance="cogging", tried=({"names": ["cogging"], "gain": 9.0}, *step.tried)
     )
     gone = replace(other, action="drop", reason="needless beside backlash")
     text = Read(page(content_of(models, recordings[:1], replace(findings, steps=(other, step, gone))))).text
