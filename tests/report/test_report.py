@@ -438,6 +438,16 @@ def test_an_error_far_below_the_noise_is_told_as_within_it(models, recordings):
     assert "1.00 nA (within the noise)" in text and "(0.0×)" not in text
 
 
+def test_a_draft_is_no_measure_of_what_was_gained(models, recordings, findings):
+    """Of start values that are orders off, only that is told; the constants refitted are what effects are held to."""
+    unseen = replace(findings.unseen, given=175.0, given_recordings=(150.0, 200.0))
+    text = Read(page(content_of(models, recordings[:2], replace(findings, unseen=unseen)))).text
+    assert "of the current is 30.0 mA with the constants alone refitted, 3.00 mA with the effects found." in text
+    assert "alone brings the error of the current to 30.0 mA; its start values are far off" in text
+    head, *_ = text.split("Step by step")
+    assert "175 A" not in head and "constants refitted of start values 30.0 mA" in text
+
+
 def test_axes_leave_out_a_guess_that_hides_the_rest_and_say_so(models, recordings, written):
     """The twin of start values ran off to kA, so that the plots showed nothing of the found model's error."""
     guess = models[0].with_value("effects.viscous_friction.coefficient", 1.0)

@@ -13,6 +13,7 @@ from ..words.sentences import (
     REFIT,
     REFIT_IS,
     change_words,
+    draft_words,
     effect_words,
     groups_sentence,
     has_moved,
@@ -108,7 +109,7 @@ def _steps(found: Discovery) -> ReportTable:
         table.add_row(
             REFIT,
             *(() if narrow else (REFIT_IS,)),
-            quantity(unseen.given, unseen.unit),
+            draft_words(unseen.given, unseen.rmse[0], unseen.unit),
             quantity(unseen.rmse[0], unseen.unit),
             removed_words(unseen.refit_removed, unseen.given, unseen.rmse[0]),
             *(quantity(value, "rad") for value in outputs),

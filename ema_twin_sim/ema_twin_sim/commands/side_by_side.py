@@ -118,6 +118,7 @@ def _in_words(name: str, first: Comparison, other: Comparison) -> str:
     each = sorted((signals[name].times, recording) for recording, signals in found.recordings if name in signals)
     if len(each) > 1:
         at = dict(found.recordings)
-        ends = (f"{closeness_cell(at[recording][name])} ({recording})" for _, recording in (each[0], each[-1]))
-        text += ", from " + " to ".join(ends)
+        least, most = (closeness_cell(at[recording][name]) for _, recording in (each[0], each[-1]))
+        if least != most:
+            text += f", from {least} ({each[0][1]}) to {most} ({each[-1][1]})"
     return f"{text}."

@@ -10,7 +10,7 @@ from ..comparison.running_comparison import SignalError, excess_removed
 from ..criteria import NOISY
 from ..effects import catalogue
 from ..listing import listed, number_of
-from ..quantities import quantity
+from ..quantities import MOST_TIMES, limited_factor, quantity
 from ..words.findings import UnseenErrors
 from ..words.sentences import (
     NO_RUNNER_UP,
@@ -117,8 +117,11 @@ def _lead(content: Content) -> str:
     of = f"From {content.names[0]} to {content.names[1]}" if len(content.models) == 2 else "With the effects found"
     if unseen is None:
         return f"{of}, the error (RMSE) of{said}.{alone} {_fitted(content)}".strip()
-    began = quantity(unseen.rmse[0] if unseen.given is None else unseen.given, unseen.unit)
-    changes = f"{began} before, {quantity(unseen.rmse[-1], unseen.unit)} with the effects found"
+    given = unseen.rmse[0] if unseen.given is None else unseen.given
+    began = f"{quantity(given, unseen.unit)} before"
+    if given > MOST_TIMES * unseen.rmse[-1]:  # a draft: what its constants alone achieve is the reference
+        began = f"{quantity(unseen.rmse[0], unseen.unit)} with the constants alone refitted"
+    changes = f"{began}, {quantity(unseen.rmse[-1], unseen.unit)} with the effects found"
     judged = f"On recordings not used for fitting, the error (RMSE) of the {signal_words(unseen.signal)} is {changes}."
     of = f"{of[:1].lower()}{of[1:]}"
     fitted = f"On all recordings, with numbers fitted to all of them: {of}, the error of{said}."
@@ -265,7 +268,7 @@ def _removed(before: SignalError, after: SignalError) -> str:
 def _against_noise(error: SignalError) -> Markup:
     """The RMSE, and its ratio to the noise; a ratio far below one says only that the noise covers the error."""
     ratio = times_noise(error)
-    said = "within the noise" if ratio < WITHIN else f"{ratio:.1f}×"
+    said = "within the noise" if ratio < WITHIN else f"{limited_factor(ratio, '.1f')}×"
     times = f" ({said})" if error["noise_floor"] else ""
     kind = "good" if is_noise(error) else "plain"
     return tag("span", f"{quantity(error['rmse'], error['unit'])}{times}", class_=kind)
