@@ -303,7 +303,7 @@ def _dependences(
     Below ``slow`` [rad/s] there is no direction.
     """
     if model.units is None:
-        return find_dependences(name, _UNITS[name], parts, torque, standstill=slow)
+        return find_dependences(name, _UNITS[name], parts, torque, standstill=slow, direct=model.is_direct)
     (_, unit), (way, _) = shown(model, 1.0, _UNITS[name]), shown(model, 1.0, "rad")
     native = [in_native_units(model, name, part) for part in parts]
     return find_dependences(name, unit, native, torque, motion="linear", standstill=slow * way)

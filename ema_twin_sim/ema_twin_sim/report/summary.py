@@ -18,6 +18,7 @@ from ..words.sentences import (
     effect_words,
     fit_sentences,
     groups_sentence,
+    input_words,
     no_effect_words,
     refit_sentence,
     removed_words,
@@ -279,6 +280,7 @@ def _about(content: Content) -> Markup:
     seconds = sum(recording.duration for recording in recordings)
     count = number_of(len(recordings), "recording")
     long = f"{sum(map(len, recordings))} operating points" if recordings[0].of_points else f"{seconds:.1f} s"
-    machine, source = content.models[0].machine, content.given.comparisons[0].input
+    machine, first = content.models[0].machine, content.given.comparisons[0]
+    source = input_words(first.input, first.overall, first.motion)
     told = f"{count}, {long}; recorded: {dates(recordings)}; machine: {machine}; input of the twins: {source}"
     return tag("p", f"{told}; ema-twin {content.version}.", class_="aside")

@@ -308,6 +308,16 @@ def groups_sentence(groups: Sequence[Sequence[str]]) -> str:
     return f"These recordings cannot tell apart: {apart}."
 
 
+def input_words(source: str, signals: Iterable[str], motion: str = "rotary") -> str:
+    """What drives a twin: of a machine whose torque or force was recorded (one of the ``signals``), that.
+
+    Inside, it is a current of one ampere per newton metre, and the input is called ``current``.
+    """
+    if source != "current" or "motor_torque" not in signals:
+        return source
+    return "force" if motion == "linear" else "torque"
+
+
 def why_step(step: Step) -> str:
     """The runner-up of an effect that was added, or the reason why one was dropped."""
     return _runner_up(step) if step.action == "add" else step.reason
