@@ -145,7 +145,7 @@ def test_the_head_tells_what_was_wrong_how_sure_that_is_and_what_is_left(written
     assert "Probability of each: backlash 98 %" in text
     assert "cannot tell apart: backlash or encoder delay" in text
     assert "no date in the files" in text and "2 recordings, 10.0 s" in text and "ema-twin 1.2.3" in text
-    assert "Ramp:0.01 for 20 s: tells backlash from encoder delay" in text
+    assert "Record ramp:0.01 for 20 s (position of the output: a ramp of 0.01 rad/s). Tells backlash from" in text
     assert "nan" not in text.lower().split() and "None" not in text
 
 
