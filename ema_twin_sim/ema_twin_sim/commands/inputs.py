@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -164,9 +165,15 @@ def _refuse_unwritable(output: Path) -> None:
     folder = next(above for above in output.absolute().parents if above.exists())
     try:
         tempfile.TemporaryFile(dir=folder).close()  # if it is a file, the reason given is that it is no folder
+    except FileNotFoundError:  # the folder is there, but its file system makes no files, as that of /proc
+        raise InputError(
+            f"{output}: cannot be written (no file can be made in {folder}); choose another folder"
+        ) from None
     except OSError as error:
-        reason = error.strerror or error
-        raise InputError(f"{output}: cannot be written ({reason}); choose a folder with write permission") from None
+        reason, needed = error.strerror or error, "another folder"
+        if isinstance(error, PermissionError) or error.errno == errno.EROFS:
+            needed = "a folder with write permission"
+        raise InputError(f"{output}: cannot be written ({reason}); choose {needed}") from None
 
 
 def refuse_existing(force: bool, *outputs: Path | None) -> None:
