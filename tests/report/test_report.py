@@ -19,6 +19,7 @@ from ema_twin_sim.report.backwards import backwards
 from ema_twin_sim.report.chart import Charts
 from ema_twin_sim.report.content import Content, dates, shown
 from ema_twin_sim.report.envelope import envelope_rows
+from ema_twin_sim.report.lag import lag_sentence
 from ema_twin_sim.report.markup import table, tag
 from ema_twin_sim.report.page import page
 from ema_twin_sim.report.ranking import signature_chart, told_signatures
@@ -446,6 +447,25 @@ def test_a_draft_is_no_measure_of_what_was_gained(models, recordings, findings):
     assert "alone brings the error of the current to 30.0 mA; its start values are far off" in text
     head, *_ = text.split("Step by step")
     assert "175 A" not in head and "constants refitted of start values 30.0 mA" in text
+
+
+@pytest.mark.parametrize(("shift", "when"), [(0.2e-3, "earlier"), (-0.2e-3, "later")])
+def test_a_shift_between_setpoint_and_motion_is_told_as_what_it_is(stock, shift, when):
+    """No effect of the catalogue is a fraction of a sample between setpoint and motion."""
+    (run,) = record(stock, commands=("sine:0.3:0.5",), seconds=8.0)
+    moved = {
+        name: np.interp(run.time + shift, run.time, values) if name.endswith("position") else values
+        for name, values in run.signals.items()
+    }
+    given = shown([with_signals(run, moved)], (stock, stock))
+    told = lag_sentence(given, stock, 1)
+    assert f"setpoint 200 µs ({0.2e-3 / run.sample_period:.1f} of a sample) {when} than the twin" in told.replace(
+        "0.20 ms", "200 µs"
+    )
+    assert told in Read(page(Content((stock, stock), ("a", "b"), given, None, None, "1.2.3"))).text
+    one = {**moved, "motor_position": run.signals["motor_position"]}
+    for signals in (run.signals, one):  # without a shift, and with one of an encoder alone
+        assert not lag_sentence(shown([with_signals(run, signals)], (stock, stock)), stock, 1)
 
 
 def test_axes_leave_out_a_guess_that_hides_the_rest_and_say_so(models, recordings, written):

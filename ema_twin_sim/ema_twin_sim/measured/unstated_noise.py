@@ -1,7 +1,7 @@
 """Noise of the sensors from the recordings, for a model that states none.
 
-A model without ``sensors`` has perfect ones: any error would exceed their noise of zero, and effects would be looked for
-in noise. The draft of a new machine gets its noise in the same way.
+A model without ``sensors`` has perfect ones: any error would exceed their noise of zero, and effects would be looked
+for in noise. The draft of a new machine gets its noise in the same way.
 """
 
 from __future__ import annotations

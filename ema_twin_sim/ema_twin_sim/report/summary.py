@@ -28,6 +28,7 @@ from ..words.sentences import (
 from .backwards import backwards, gone_effects, searched_model
 from .content import Content, Shown, dates, signal_words
 from .difference import NewEffect, new_effects
+from .lag import lag_sentence
 from .markup import Markup, capitalised, items, joined, table, tag
 
 WITHIN = 0.5
@@ -108,6 +109,8 @@ def _lead(content: Content) -> str:
         began, ended = (quantity(error["rmse"], error["unit"]) for error in (before, after))
         way = "falls" if after["rmse"] < before["rmse"] else "does not decrease: it goes"
         sizes = f"stays at {ended}" if began == ended else f"{way} from {began} to {ended}"
+        if before["rmse"] > MOST_TIMES * after["rmse"] > 0.0:  # a draft, or nothing left
+            sizes = f"falls to {ended}, from over {MOST_TIMES:.0f} times that"
         parts.append(f"that of the {signal_words(name)} {sizes} ({_noises(after)})")
     said = listed(parts).removeprefix("that of")
     findings = content.findings
@@ -229,6 +232,8 @@ def _left(content: Content) -> list[Markup]:
         error = second.overall[name]
         rmse = quantity(error["rmse"], error["unit"])
         where = next((found.sentence() for found in second.where if found.signal == name), "")
+        if name == "output_position":
+            where = f"{where} {lag_sentence(content.given, content.models[1], 1)}".strip()
         noise = "the sensors' noise"
         if not is_noise(error):
             noise = f"{times_words(times_noise(error))} {noise}"
