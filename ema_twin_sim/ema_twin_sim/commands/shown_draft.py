@@ -95,7 +95,7 @@ def say_next(
     ``holed`` are columns left out for cells that hold no number.
     """
     trace = " ".join(traces)
-    moves = any(guess.signal == "motor_position" for guess in guesses.signals)
+    moves = any(guess.signal in ("motor_position", "speed") for guess in guesses.signals)
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
         say(f"{path}: {to_look_at(text, complete=moves or path != files[0])}")
     if why := guesses.points_doubt:
@@ -107,7 +107,10 @@ def say_next(
     say("Then:")
     say(f"  ema-twin info {traces[0]} --map {quote(str(files[0]))}")
     if guesses.drives and not moves:
-        say(f"  No motor position was found: add its column to {files[0]}; no missing effect can be told without it.")
+        say(
+            f"  No motor position or speed was found: add its column to {files[0]}; no missing effect can be told "
+            "without."
+        )
         return
     if guesses.drives or guesses.both_encoders:
         say_search(trace, *files)
