@@ -56,7 +56,7 @@ def estimate(value: float, std: float | None, unit: str) -> str:
 
 
 MOST_TIMES = 1000.0
-"""The largest factor that is told as a number: beyond it one side is a draft, or nothing, and the factor says no more."""
+"""The largest factor that is told as a number: beyond it one side is a draft, or nothing."""
 
 
 def limited_factor(times: float, digits: str) -> str:
