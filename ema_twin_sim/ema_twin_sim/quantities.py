@@ -53,3 +53,16 @@ def estimate(value: float, std: float | None, unit: str) -> str:
         number = f"({number}){prefix}" if prefix else number
         return number if unit == "1" else f"{number} {unit}"
     return f"{number} {prefix}{unit}"
+
+
+MOST_TIMES = 1000.0
+"""The largest factor that is told as a number: beyond it one side is a draft, or nothing."""
+
+
+def limited_factor(times: float, digits: str) -> str:
+    """A factor in the format ``digits``; beyond ``MOST_TIMES`` ``over 1000``, below its inverse ``under 0.001``."""
+    if times > MOST_TIMES:
+        return f"over {MOST_TIMES:.0f}"
+    if 0.0 <= times < 1.0 / MOST_TIMES:
+        return f"under {1.0 / MOST_TIMES:g}"
+    return f"{times:{digits}}"

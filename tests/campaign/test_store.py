@@ -155,7 +155,11 @@ class TestUnits:
         store.write([a_row(name=f"{k}", key=f"{k}", errors=[], beyond_noise=[{"signal": "current", "times": times}])
                      for k, times in enumerate((9.0, 2.0))])  # fmt: skip
         told = done("units", tmp_path / "r").stdout
-        assert "last error / noise" in told and "the last recording that was judged" in told
+        assert (
+            "error left / noise" in told
+            and "once the missing effects are added" in told
+            and "the last recording that was judged" in told
+        )
         assert "2.0 ×" in told and "9.0 ×" not in told
 
 

@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from ema_twin_sim.commands import main
 from tests.command_line import MODEL, done, refused, twin
 
 VERBS = (
@@ -14,8 +15,12 @@ VERBS = (
     "compare",
     "diagnose",
     "discover",
+    "report",
     "fit",
     "plan",
+    "campaign",
+    "units",
+    "sweep",
     "live",
     "simulate",
     "add",
@@ -27,6 +32,18 @@ VERBS = (
     "recover",
     "demo",
 )
+
+
+def test_no_verb_is_left_out():
+    assert {*VERBS} == {*main.VERBS}
+
+
+def test_descriptions_are_folded_by_the_terminal_alone():
+    """Lines of a docstring were kept, and folded once more on a terminal of 80 columns."""
+    for verb in VERBS:
+        (command,) = main.application([verb]).registered_commands
+        paragraphs = command.help.split("\n\n")
+        assert all(paragraph and "\n" not in paragraph for paragraph in paragraphs), verb
 
 
 @pytest.mark.parametrize("verb", VERBS)

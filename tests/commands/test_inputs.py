@@ -1,9 +1,12 @@
 """What is wrong with recordings is told once for all of them, when they are read."""
 
+import errno
+import tempfile
+
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.commands.inputs import load_runs
+from ema_twin_sim.commands.inputs import load_runs, refuse_inputs
 from ema_twin_sim.listing import by_recording
 
 MAP = """version: 1
@@ -44,3 +47,24 @@ def test_of_many_recordings_some_are_named():
         "run_0.csv: late",
     ]
     assert by_recording(many[:5])[0].endswith("run_3.csv and run_4.csv: cut")
+
+
+@pytest.mark.parametrize(
+    ("error", "remedy"),
+    [
+        (
+            PermissionError(errno.EACCES, "Permission denied"),
+            "(Permission denied); choose a folder with write permission",
+        ),
+        (OSError(errno.EROFS, "Read-only file system"), "; choose a folder with write permission"),
+        (OSError(errno.ENOSPC, "No space left on device"), "(No space left on device); choose another folder"),
+    ],
+)
+def test_the_remedy_for_an_output_fits_its_reason(tmp_path, monkeypatch, error, remedy):
+    def refuse(dir):
+        raise error
+
+    monkeypatch.setattr(tempfile, "TemporaryFile", refuse)
+    with pytest.raises(InputError) as told:
+        refuse_inputs([], tmp_path / "new.yaml")
+    assert remedy in str(told.value)

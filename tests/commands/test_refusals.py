@@ -58,7 +58,11 @@ def test_outputs_that_exist_or_cannot_be_written(tmp_path, ramp, imported):
     refused("import", ramp, "-o", tmp_path / "file", naming=("file",))
     compare = ("compare", ramp, "--model", "polito_bench", "--json")
     refused(*compare, tmp_path / "file" / "c.json", naming=("c.json",))
-    refused(*compare, "/proc/c.json", naming=("/proc/c.json: cannot be written",))
+    refused(
+        *compare,
+        "/proc/c.json",
+        naming=("/proc/c.json: cannot be written (no file can be made in /proc); choose another",),
+    )
     (tmp_path / "model.yaml").touch()
     add = ("add", "backlash", "--model", "polito_bench", "-o", tmp_path / "model.yaml")
     refused(*add, naming=("exists",))

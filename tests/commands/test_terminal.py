@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.text import Text
 
 from ema_twin_sim.commands import tables
-from ema_twin_sim.commands.output import fold
+from ema_twin_sim.commands.output import fold, takes_colours
 from tests.command_line import ENVIRONMENT, LONGEST, MODEL, TWIN, done
 
 BROKEN = re.compile(r"(\d|±|\bN|\bkg)$")  # at a line's end: what must have its unit, or the rest of it, beside it
@@ -169,3 +169,16 @@ def test_numbers_and_units_stay_together():
             assert len(line) <= width and not BROKEN.search(line.replace("m^2", "")), line
     assert fold(Text("one\ntwo three"), 5).plain == "one\ntwo\nthree"
     assert fold(Text("transmission.contact_damping"), 24).plain == "transmission.contact_\ndamping"
+
+
+@pytest.mark.parametrize(
+    ("environment", "colours"),
+    [
+        ({"TERM": "xterm-256color"}, True),
+        ({"TERM": "dumb"}, False),
+        ({}, False),
+        ({"TERM": "xterm", "NO_COLOR": "1"}, False),
+    ],
+)
+def test_a_terminal_without_colours_gets_no_codes_of_them(environment, colours):
+    assert takes_colours(environment) == colours

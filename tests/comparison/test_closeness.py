@@ -41,6 +41,8 @@ def test_cells():
     cells = [Closeness(14.62), Closeness(250.4), Closeness(0.9), Closeness(22.0, AT_LEAST), Closeness(0.31, AT_MOST)]
     assert list(map(closeness_cell, cells)) == ["14.6 ×", "250 ×", "0.90 ×", "≥ 22.0 ×", "≤ 0.31 ×"]
     assert closeness_cell(None) == "–"
+    far = [Closeness(8570.0), Closeness(20953.0, AT_LEAST), Closeness(1e-5)]
+    assert list(map(closeness_cell, far)) == ["over 1000 ×", "over 1000 ×", "under 0.001 ×"]
 
 
 def test_names_are_sorted_as_people_count():

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,9 +11,10 @@ from recorded import with_signals
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import Recording
-from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.commands.shown_comparison import show_comparison
+from ema_twin_sim.comparison.compare import compare, compare_all
 from ema_twin_sim.comparison.running_comparison import UNITS, RunningComparison
-from ema_twin_sim.comparison.where import Dependence
+from ema_twin_sim.comparison.where import Dependence, Stretch, find_dependences
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.sensor_noise import noise_floors
 from ema_twin_sim.simulation.simulate import simulate
@@ -226,3 +228,42 @@ def test_a_wrong_unit_is_told_once_for_all_recordings_and_first(stock, recording
     assert said.startswith("2 of 2 recordings, the worst is ") and "mA and read as A" in said
     assert found.warnings[0] == said
     assert compare(recordings[:1], stock).misread == ()
+
+
+def test_models_share_the_noise_floor_of_the_best_whatever_their_order(stock, recordings):
+    """A first model whose sensors are off by far had set the floor that its successor was measured by."""
+    noisy = stock.with_value("sensors.current_noise", 1e3 * stock.value("sensors.current_noise"))
+    noisy = noisy.with_value("machine.motor_inertia", 50.0 * noisy.value("machine.motor_inertia"))
+    alone = compare(recordings[:2], stock).overall
+    for models in ((noisy, stock), (stock, noisy)):
+        for comparison in compare_all(recordings[:2], models):
+            for name, error in comparison.overall.items():
+                assert error["noise_floor"] == alone[name]["noise_floor"]
+            for recording in comparison.recordings:
+                assert {name: e["noise_floor"] for name, e in recording.signals.items()} == {
+                    name: alone[name]["noise_floor"] for name in recording.signals
+                }
+
+
+def test_an_axis_without_a_gear_has_no_speed_of_the_motor_shaft():
+    """Whoever records a direct axis has no motor shaft to look for."""
+    time = np.arange(20_000) * 1e-3
+    speed = np.sin(time)
+    stretch = Stretch(speed**3, speed, -np.cos(time), -np.cos(time), time)
+    for direct in (True, False):
+        found = find_dependences("current", "A", [stretch], direct=direct)
+        where = next(dependence.where for dependence in found if dependence.variable == "speed")
+        assert where.endswith("rad/s" if direct else "rad/s of the motor shaft")
+
+
+@pytest.mark.parametrize(("motion", "driving"), [("rotary", "torque"), ("linear", "force")])
+def test_what_was_recorded_is_named_as_what_drives_the_twin(stock, recordings, motion, driving, capsys):
+    found = compare(recordings[:1], stock, "current")
+    show_comparison([found])
+    assert "(input: current)" in (told := capsys.readouterr().out) and "The current drives the twin" in told
+    overall = {"motor_torque" if name == "current" else name: error for name, error in found.overall.items()}
+    shown = replace(found, overall=overall, motion=motion)
+    for comparisons in ([shown], [shown, replace(shown, model="other")]):
+        show_comparison(comparisons)
+        told = " ".join(capsys.readouterr().out.split())
+        assert f"The {driving} drives the twin" in told and "input current" not in told and "input: current" not in told

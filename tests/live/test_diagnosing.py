@@ -247,6 +247,15 @@ class TestTheKeysOfALiveRun:
         assert "cogging: 10 % likely" in said and "Press a to add them" in said
         assert "current: clipped" in said and "give several" not in said
 
+    def test_a_key_that_does_nothing_is_answered_once_with_those_that_do(self, capsys):
+        said = self.pressed("x", capsys, Services())
+        assert said == "'x' does nothing. Keys: d diagnose a add the effects found q quit"
+        stop = threading.Event()
+        Keys(stop).take("\x1b[D")  # an arrow, which ends in the code of another key
+        assert capsys.readouterr().out.startswith("That key does nothing") and not stop.is_set()
+        Keys(stop).take("\nq")
+        assert stop.is_set() and not capsys.readouterr().out
+
     def test_one_that_is_missing_is_likely(self):
         one = {**OF_BOTH, "ranking": [entry("backlash", 1.0, True, width=0.004)]}
         lines = told(diagnosis_message(one, 0, 1, 12.0), {})

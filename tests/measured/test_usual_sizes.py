@@ -40,9 +40,11 @@ def test_a_current_of_unusual_size_is_asked_about_where_nothing_is_known(tmp_pat
     runs = [recording("a", times), recording("b", 1.5 * times)]
     place = drafted(tmp_path, runs)
     [asked] = unusual_currents(runs, load_model(place))
-    assert asked.startswith("b: current reaches") and words in asked and "drive.current_limit" in asked
+    assert asked.startswith("b: current reaches") and words in asked and "current_limit: {value: " in asked
     assert next(unusual_sizes(runs[1])) in asked
-    place.write_text(place.read_text() + "drive: {current_limit: {value: 1e5, unit: A}}\n")
+    line = asked[asked.index("`current_limit") :].strip("`")
+    place.write_text(f"{place.read_text()}drive:\n  {line}\n")
+    assert load_model(place).value("drive.current_limit") > 2.0 * np.abs(runs[1].signals["current"]).max()
     assert unusual_currents(runs, load_model(place)) == ()
 
 
@@ -50,6 +52,15 @@ def test_usual_currents_and_known_machines_are_not_asked_about(tmp_path):
     runs = [recording("a", 1.0)]
     assert unusual_currents(runs, load_model(drafted(tmp_path, runs))) == ()
     assert unusual_currents([recording("a", 1000.0)], load_model("polito_bench")) == ()
+
+
+@pytest.mark.parametrize(("constant", "asked"), [(0.003, False), (0.05, True), (None, True)])
+def test_a_given_torque_constant_tells_a_small_motor_from_a_wrong_unit(tmp_path, constant, asked):
+    """A watch's motor of 3 mN m/A that takes 5 mA induces a quarter of a volt: 50 ohm, as windings have."""
+    runs = [recording("a", 1e-3)]
+    place = tmp_path / "servo.yaml"
+    place.write_text(checked_model(runs, Given("servo", 1.0, constant), Shaft()).text)
+    assert bool(unusual_currents(runs, load_model(place))) == asked
 
 
 def test_discover_repeats_the_question(tmp_path):

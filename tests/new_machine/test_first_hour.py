@@ -4,6 +4,7 @@ import re
 import threading
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
@@ -105,6 +106,28 @@ def test_columns_that_only_some_traces_have_are_told(tmp_path, capsys, servo):
     assert "run_1.csv: lacks the column 'current [A]', 'speed setpoint [rad/s]'" in told
     told = drafted([fewer[0], servo[1]], tmp_path, capsys, force=True)
     assert f"list {servo[1]} first to use it" in told
+
+
+def test_a_trace_without_a_position_leads_to_no_command_that_refuses_it(tmp_path, capsys):
+    time = np.arange(400) * 1e-3
+    rows = (f"{t:.3f},{np.sin(9.0 * t):.4f},{np.cos(9.0 * t):.4f}" for t in time)
+    (tmp_path / "run.csv").write_text("\n".join(["time [s],current [A],speed setpoint [rad/s]", *rows]) + "\n")
+    init.run(str(tmp_path / "m"), [tmp_path / "run.csv"])
+    told = capsys.readouterr().out
+    assert "No motor position or speed was found: add its column to" in told and "nothing had to be guessed" not in told
+    assert "ema-twin info" in told and "ema-twin discover" not in told
+
+
+def test_what_encoders_alone_can_show_is_told_before_the_commands(tmp_path, capsys):
+    time = np.arange(4000) * 1e-3
+    rows = (f"{t:.3f},{50.0 * np.sin(3.0 * t):.5f},{np.sin(3.0 * t):.5f}" for t in time)
+    header = "time [s],motor position [rad],output position [rad]"
+    (tmp_path / "run.csv").write_text("\n".join([header, *rows]) + "\n")
+    init.run(str(tmp_path / "m"), [tmp_path / "run.csv"])
+    lines = capsys.readouterr().out.splitlines()
+    commands = lines[lines.index("Then:") + 1 :]
+    assert len(commands) == 4 and all(line.startswith("  ema-twin ") for line in commands)
+    assert any(line.startswith("No current or torque was found: only backlash") for line in lines)
 
 
 @pytest.mark.parametrize(

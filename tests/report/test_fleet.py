@@ -59,7 +59,8 @@ def test_every_unit_has_a_page_that_the_overview_leads_to(pages):
     overview, of_units = pages
     assert len(of_units) == 3
     assert all(page.is_file() for page in of_units.values())
-    assert "3 units" in overview.read_text() and "last error / noise" in overview.read_text()
+    assert "3 units" in overview.read_text() and "error left / noise" in overview.read_text()
+    assert "once the missing effects are added" in overview.read_text()
     assert "<b>" not in overview.read_text()  # names are text
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.load import load
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.model import load_model, save_model
@@ -18,6 +19,7 @@ from ema_twin_sim.report.backwards import backwards
 from ema_twin_sim.report.chart import Charts
 from ema_twin_sim.report.content import Content, dates, shown
 from ema_twin_sim.report.envelope import envelope_rows
+from ema_twin_sim.report.lag import lag_sentence
 from ema_twin_sim.report.markup import table, tag
 from ema_twin_sim.report.page import page
 from ema_twin_sim.report.ranking import signature_chart, told_signatures
@@ -144,8 +146,28 @@ def test_the_head_tells_what_was_wrong_how_sure_that_is_and_what_is_left(written
     assert "Probability of each: backlash 98 %" in text
     assert "cannot tell apart: backlash or encoder delay" in text
     assert "no date in the files" in text and "2 recordings, 10.0 s" in text and "ema-twin 1.2.3" in text
-    assert "Ramp:0.01 for 20 s: tells backlash from encoder delay" in text
+    assert "Record ramp:0.01 for 20 s (position of the output: a ramp of 0.01 rad/s). Tells backlash from" in text
     assert "nan" not in text.lower().split() and "None" not in text
+
+
+def test_the_head_leads_with_the_error_on_recordings_not_used_for_fitting(written, models, recordings, findings):
+    head = Read(written).text.split("RMSE, measured minus twin")[0]
+    begin = "On recordings not used for fitting, the error (RMSE) of the current is 30.0 mA before, 3.00 mA with the"
+    assert head.index(begin) < head.index("On all recordings, with numbers fitted to all of them: from polito_bench")
+    assert "Current: 3.00 mA on recordings not used for fitting; with numbers fitted to all recordings" in head
+    others = replace(findings, unseen=replace(findings.unseen, recordings=(("x", (1.0,)), ("y", (1.0,)))))
+    text = Read(page(content_of(models, recordings[:2], others))).text
+    assert "From polito_bench to better, the error (RMSE) of" in text and begin not in text
+
+
+def test_rivals_of_an_effect_that_was_dropped_again_are_not_told(models, recordings, findings):
+    [step] = findings.steps
+    other = replace(
+        step, effect="cogging", instance="cogging", tried=({"names": ["cogging"], "gain": 9.0}, *step.tried)
+    )
+    gone = replace(other, action="drop", reason="needless beside backlash")
+    text = Read(page(content_of(models, recordings[:1], replace(findings, steps=(other, step, gone))))).text
+    assert "Runner-up to backlash" in text and "Runner-up to cogging" not in text
 
 
 def test_its_errors_are_those_of_compare(written, models, recordings):
@@ -339,6 +361,21 @@ def test_dates_of_recordings(recordings):
     assert dates([made, recordings[0]]) == "2026-03-14 09:21 UTC (1 without a date)"
 
 
+@pytest.mark.parametrize(
+    ("first", "said"),
+    [("01.03.2026 12:00:00,00{k}", "2026-03-01 12:00"), ("12:00:00,00{k}", "no date in the files")],
+)
+def test_the_date_of_a_trace_is_that_of_its_time_stamps(tmp_path, first, said):
+    rows = (f"{first.format(k=k)};0,1;{0.01 * k:.2f}".replace("0.", "0,") for k in range(9))
+    (tmp_path / "a.csv").write_text("\n".join(["Zeit;Strom [A];Winkel [rad]", *rows]))
+    (tmp_path / "map.yaml").write_text(
+        "version: 1\ntime: {column: Zeit, unit: s}\nsignals:\n"
+        "  current: {columns: ['Strom \\[A\\]'], unit: A}\n"
+        "  motor_position: {columns: ['Winkel \\[rad\\]'], unit: rad}\n"
+    )
+    assert dates([load(tmp_path / "a.csv", import_map=tmp_path / "map.yaml")]) == said
+
+
 def test_axes_take_a_unit_that_reads_well():
     assert axis_unit(0.9, "rad") == (1.0, "rad") and axis_unit(0.02, "A") == (1e-3, "mA")
     assert axis_unit(0.0, "A") == (1.0, "A") and axis_unit(float("nan"), "A") == (1.0, "A")
@@ -383,13 +420,52 @@ def test_the_command_writes_it(tmp_path, folder, ramp, traces):
     refused("report", ramp, *before_and_after, "-o", folder / "found.json", naming=("is an input",))
 
 
-def test_what_puts_every_number_in_doubt_is_the_headline(models, recordings, findings):
-    """A current in mA that is read as A: no difference between the models is worth a headline then."""
+def test_what_puts_every_number_in_doubt_is_right_below_the_verdict(models, recordings, findings):
+    """A current in mA that is read as A: the verdict stays the headline, and the doubt is the first that follows."""
     milliamperes = [with_signals(r, {**r.signals, "current": 1e3 * r.signals["current"]}) for r in recordings[:2]]
-    text = Read(page(content_of(models, milliamperes, findings))).text
-    assert "Check this before you trust the page: 2 of 2 recordings, the worst is " in text
-    assert text.index("as if current were in mA and read as A") < text.index("lacks backlash")
+    text = page(content_of(models, milliamperes, findings))
+    assert re.search("<h1>polito_bench lacks backlash.*?</h1><p class=.warning doubt.>Check this before", text)
+    assert "Check this before you trust the page: 2 of 2 recordings, the worst is " in Read(text).text
+    assert "as if current were in mA and read as A" in Read(text).text
     assert "Check this before" not in Read(page(content_of(models, recordings[:2], findings))).text
+
+
+def test_an_error_far_below_the_noise_is_told_as_within_it(models, recordings):
+    given = shown(recordings[:1], models)
+    quiet = {"rmse": 1e-9, "relative": 1e-9, "noise_floor": 1e-3, "unit": "A", "driven": False}
+    before, after = given.comparisons
+    given = replace(given, comparisons=(before, replace(after, overall={**after.overall, "current": quiet})))
+    text = Read(page(Content(models, ("a", "b"), given, None, None, "1.2.3"))).text
+    assert "1.00 nA (within the noise)" in text and "(0.0×)" not in text
+
+
+def test_a_draft_is_no_measure_of_what_was_gained(models, recordings, findings):
+    """Of start values that are orders off, only that is told; the constants refitted are what effects are held to."""
+    unseen = replace(findings.unseen, given=175.0, given_recordings=(150.0, 200.0))
+    text = Read(page(content_of(models, recordings[:2], replace(findings, unseen=unseen)))).text
+    assert "of the current is 30.0 mA with the constants alone refitted, 3.00 mA with the effects found." in text
+    assert "alone brings the error of the current to 30.0 mA; its start values are far off" in text
+    head, *_ = text.split("Step by step")
+    assert "175 A" not in head and "constants refitted of start values 30.0 mA" in text
+
+
+@pytest.mark.parametrize(("shift", "when"), [(0.2e-3, "earlier"), (-0.2e-3, "later")])
+def test_a_shift_between_setpoint_and_motion_is_told_as_what_it_is(stock, shift, when):
+    """No effect of the catalogue is a fraction of a sample between setpoint and motion."""
+    (run,) = record(stock, commands=("sine:0.3:0.5",), seconds=8.0)
+    moved = {
+        name: np.interp(run.time + shift, run.time, values) if name.endswith("position") else values
+        for name, values in run.signals.items()
+    }
+    given = shown([with_signals(run, moved)], (stock, stock))
+    told = lag_sentence(given, stock, 1)
+    assert f"setpoint 200 µs ({0.2e-3 / run.sample_period:.1f} of a sample) {when} than the twin" in told.replace(
+        "0.20 ms", "200 µs"
+    )
+    assert told in Read(page(Content((stock, stock), ("a", "b"), given, None, None, "1.2.3"))).text
+    one = {**moved, "motor_position": run.signals["motor_position"]}
+    for signals in (run.signals, one):  # without a shift, and with one of an encoder alone
+        assert not lag_sentence(shown([with_signals(run, signals)], (stock, stock)), stock, 1)
 
 
 def test_axes_leave_out_a_guess_that_hides_the_rest_and_say_so(models, recordings, written):

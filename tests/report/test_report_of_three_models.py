@@ -82,7 +82,7 @@ def test_one_table_has_all_errors_beside_one_noise_floor(written, three, recordi
 
 def test_it_tells_what_fitting_did_and_that_it_gains_nothing_elsewhere(written):
     told = Read(written).text.split("What was wrong")[0]
-    assert "With the effects found, the error (RMSE) of the output position falls from" in told
+    assert "with the effects found, the error of the output position falls from" in told
     assert "Fitting the found model's numbers to the simulated loop takes the error of" in told
     assert (
         "the error of the current is 6.50 mA; the found model, which was fitted to all recordings, has 5.50 mA" in told

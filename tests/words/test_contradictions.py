@@ -83,6 +83,19 @@ def test_one_noise_floor_whatever_the_start_values_are(stock, guessed):
         assert floor == noise_of(runs, guessed)["unexplained_torque"]
 
 
+def test_friction_that_recordings_do_not_show_makes_no_noise_floor(stock, guessed):
+    """The guess of a viscous friction that is not there is no property of the sensors."""
+    still = stock.without_effect("viscous_friction")
+    runs = recorded(still, "ramp:0.05", "sine:0.1:1", setpoint=False)
+    floors = []
+    for factor in (1.0, 1e5):
+        viscous = guessed.effects["viscous_friction"]
+        much = {"coefficient": factor * viscous.parameters["coefficient"]}
+        model = replace(guessed, effects={**guessed.effects, "viscous_friction": viscous.at(much)})
+        floors.append(noise_of(runs, model)["unexplained_torque"])
+    assert floors[1] == pytest.approx(floors[0], rel=0.2)
+
+
 def test_a_perfect_twin_stands_at_the_noise_floor_however_long_its_recordings_are(stock):
     command = parse_command("sine:0.05:0.5")
     long, short = (virtual_bench(stock, command, seconds, seed=3) for seconds in (20.0, 2.0))

@@ -12,6 +12,7 @@ from ema_twin_sim.discovery.cautions import of_open_constants
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from ema_twin_sim.words.next_recording import recording_words
 from ema_twin_sim.words.sentences import (
     change_words,
     larger_sentence,
@@ -76,6 +77,8 @@ def test_what_one_direction_cannot_tell_apart_is_said(stock, reverses):
         (1.004, 1.0, "+0.4 %"),
         (0.131, 1e-3, "× 131"),
         (1.0, 1e-3, "× 1000"),
+        (41974.9, 1e-3, "× over 1000"),
+        (4e-9, 1e-3, "× under 0.001"),
         (2e-5, 1e-3, "× 0.02"),
         (2.9, 1.0, "+190.0 %"),
         (1.0, 0.0, ""),
@@ -101,3 +104,22 @@ def test_why_a_step_is_kept_whose_simulated_error_grew_is_told_where_one_is():
     assert larger_sentence([step(29.7, 29.8), step(29.8, 5.6)]).startswith("Larger error: a step takes the effect that")
     for steps in ([], [step(29.7, 5.6)], [step(1.0, 1.0001)], [step(1.0, 2.0, "remove")]):
         assert larger_sentence(steps) == ""
+
+
+@pytest.mark.parametrize(
+    ("suggested", "motion", "words"),
+    [
+        (
+            "triangle:0.006:6 for 25 s: asymmetric_friction and a model without it would come apart by 6 standard "
+            "deviations, all along",
+            "linear",
+            "triangle:0.006:6 for 25 s (position of the output: a triangle of ±0.006 m/s that turns every 6 s). "
+            "Asymmetric friction and a model without it would come apart by 6 standard deviations of the noise, all "
+            "along.",
+        ),
+        ("a motion, slow and fast, in both directions", "rotary", "a motion, slow and fast, in both directions"),
+        ("", "rotary", ""),
+    ],
+)
+def test_what_to_record_next_has_units_and_words_for_effects(suggested, motion, words):
+    assert recording_words(suggested, motion) == words

@@ -36,7 +36,7 @@ def run(
     from ..comparison.compare import compare_all
     from ..model import load_model
     from ..own_effects import load_effects
-    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, write_json
+    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, with_noise_told, write_json
     from .judged import warn_of
     from .rerun_file import check_rrd_name, tell_of_rrd, write_rrd
 
@@ -46,6 +46,7 @@ def run(
     load_effects(with_files or ())
     models = [load_model(name) for name in model]
     recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
+    models = [with_noise_told(recordings, given) for given in models]
     with counted(len(models) * len(recordings), "comparing") as done:
         comparisons = compare_all(
             recordings,

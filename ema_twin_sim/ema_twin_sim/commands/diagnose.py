@@ -79,7 +79,7 @@ def run(
             tabs = write_rrd(rrd, given.recordings, both, labels, findings_of(found, diagnosis), force=force)
     warn_of(diagnosis.misread, given.recordings)
     say(verdict_of(found, without=given.without), style="bold")
-    show(diagnosis)
+    show(diagnosis, given.model.motion)
     for text in order_sentences(found.model, found.parameters):
         say(text)
     warn_of(diagnosis.warnings, given.recordings, told=diagnosis.misread)
@@ -88,7 +88,7 @@ def run(
         tell_of_rrd(rrd, tabs)
 
 
-def show(diagnosis: Diagnosis) -> None:
+def show(diagnosis: Diagnosis, motion: str = "rotary") -> None:
     """Print the ranking and what is in doubt."""
     table = ReportTable("\nWhat the model may lack")
     table.words("effect")
@@ -115,7 +115,7 @@ def show(diagnosis: Diagnosis) -> None:
             + (f" {left_out} more with probability 0 are not listed (they are in --json)." if left_out else ""),
             style="dim",
         )
-    show_doubts(diagnosis.groups, diagnosis.next_recording)
+    show_doubts(diagnosis.groups, diagnosis.next_recording, motion)
 
 
 def _bar(probability: float) -> str:

@@ -83,7 +83,7 @@ def run(
             tabs = write_rrd(rrd, given.recordings, both, labels, findings, force=force)
     warn_of(found.misread, given.recordings)
     show_search(found, given.without)
-    show_doubts(found.groups, found.next_recording)
+    show_doubts(found.groups, found.next_recording, found.model.motion)
     say(f"\nThe search ended: {found.stopped}.")
     warn_of(found.warnings, given.recordings, told=found.misread)
     is_new = bool(found.added or found.constants)

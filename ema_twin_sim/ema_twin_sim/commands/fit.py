@@ -62,7 +62,7 @@ def run(
     """
     from ..model import load_model, save_model
     from ..model.model_file import check_model_name
-    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, write_json
+    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, with_noise_told, write_json
 
     refuse_inputs(input_files(runs, [model], import_map, with_files), output, json)
     check_model_name(output)
@@ -74,6 +74,7 @@ def run(
     load_effects(with_files or ())
     before = load_model(model)
     recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
+    before = with_noise_told(recordings, before)
     with status() as progress:
         found = fit_model(
             recordings, before, method=method, free=free or (), fix=fix or (), source=input, progress=progress

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -9,6 +10,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ema_bench_replay.bags.bag_parts import bag_parts, recordings_in
 from ema_bench_replay.errors import InputError
@@ -18,6 +20,9 @@ from ema_bench_replay.recording import Recording
 
 from ..listing import by_recording, number_of
 from .output import counted, warn
+
+if TYPE_CHECKING:
+    from ..model import Model
 
 
 def load_runs(
@@ -164,9 +169,25 @@ def _refuse_unwritable(output: Path) -> None:
     folder = next(above for above in output.absolute().parents if above.exists())
     try:
         tempfile.TemporaryFile(dir=folder).close()  # if it is a file, the reason given is that it is no folder
+    except FileNotFoundError:  # the folder is there, but its file system makes no files, as that of /proc
+        raise InputError(
+            f"{output}: cannot be written (no file can be made in {folder}); choose another folder"
+        ) from None
     except OSError as error:
-        reason = error.strerror or error
-        raise InputError(f"{output}: cannot be written ({reason}); choose a folder with write permission") from None
+        reason, needed = error.strerror or error, "another folder"
+        if isinstance(error, PermissionError) or error.errno == errno.EROFS:
+            needed = "a folder with write permission"
+        raise InputError(f"{output}: cannot be written ({reason}); choose {needed}") from None
+
+
+def with_noise_told(recordings: Sequence[Recording], model: Model) -> Model:
+    """The model, with the noise of the recordings if it states none of its sensors; says so on the error output."""
+    from ..measured.unstated_noise import with_noise_of
+
+    found, said = with_noise_of(recordings, model)
+    if said:
+        warn(said)
+    return found
 
 
 def refuse_existing(force: bool, *outputs: Path | None) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .inputs import load_runs, write_json
+from .inputs import load_runs, with_noise_told, write_json
 from .output import warn
 
 if TYPE_CHECKING:
@@ -45,9 +45,8 @@ def read_judged(
     load_effects(with_files or ())
     excluded = [find_effect(id, "--without").id for id in without or ()]
     before = load_model(model)
-    return Judged(
-        load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2), before, excluded
-    )
+    recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
+    return Judged(recordings, with_noise_told(recordings, before), excluded)
 
 
 def write_evidence_bag(found: Discovery, recordings: Sequence[Recording], file: Path, *, force: bool) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from contextlib import ExitStack
 from pathlib import Path
@@ -15,7 +16,7 @@ from . import options
 from .live_error import LINES_ARE, ErrorPrinter
 from .live_keys import Keys
 from .live_view import open_view
-from .output import console, say, unfolded, warn
+from .output import console, say, takes_colours, unfolded, warn
 from .shown_live import as_json, show
 
 EXAMPLES = """Examples:
@@ -150,6 +151,8 @@ def run(
     say(LINES_ARE)
     printer = ErrorPrinter(noise, recording)
     stop = threading.Event()
+    if not takes_colours():
+        os.environ.setdefault("RCUTILS_COLORIZED_OUTPUT", "0")  # of the nodes' log
     with ExitStack() as held:
         browser = None
         if web:

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from .live_view import LiveView
 
 _HINT = "Keys: d diagnose   a add the effects found   q quit"
+_ESCAPE = "\x1b"
+_AT_ONCE = 64  # bytes
 _SHOWN = 3
 """Number of a diagnosis's effects that are printed."""
 _LOOK = 0.2
@@ -63,13 +65,15 @@ class Keys:
             self._in_a_thread(self._read)
 
     def press(self, key: str) -> None:
-        """Do what the key stands for; ignore other keys."""
+        """Do what the key stands for; of any other key, say which there are."""
         if key == "d":
             self._in_a_thread(self._diagnose)
         elif key == "a":
             self._in_a_thread(self._apply)
         elif key == "q":
             self._stop.set()
+        elif not key.isspace():
+            say(f"{repr(key) if key.isprintable() else 'That key'} does nothing. {_HINT}", style="dim")
 
     def __exit__(self, *_: object) -> None:
         self._over.set()
@@ -89,7 +93,12 @@ class Keys:
         while not self._over.is_set():
             ready, _, _ = select.select([0], [], [], _LOOK)
             if ready:
-                self.press(os.read(0, 1).decode(errors="replace"))
+                self.take(os.read(0, _AT_ONCE).decode(errors="replace"))
+
+    def take(self, text: str) -> None:
+        """Press the keys that were read at once; an arrow or function key is one key, of several characters."""
+        for key in [text] if text.startswith(_ESCAPE) else text:
+            self.press(key)
 
     def _diagnose(self) -> None:
         say("Diagnosing; this takes some seconds …", style="cyan")

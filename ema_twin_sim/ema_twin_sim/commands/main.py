@@ -11,6 +11,7 @@ import re
 import sys
 from collections.abc import Collection
 from importlib import import_module
+from inspect import cleandoc
 from keyword import iskeyword
 from typing import Annotated
 
@@ -43,8 +44,13 @@ def application(verbs: Collection[str] = VERBS) -> typer.Typer:
     )
     for verb in verbs:
         file = import_module(f".{verb}_" if iskeyword(verb) else f".{verb}", __package__)
-        app.command(verb, epilog=file.EXAMPLES)(file.run)
+        app.command(verb, help=_unfolded(file.run.__doc__ or ""), epilog=file.EXAMPLES)(file.run)
     return app
+
+
+def _unfolded(text: str) -> str:
+    """A docstring with one line for each paragraph: a terminal folds it to its own width."""
+    return "\n\n".join(" ".join(paragraph.split()) for paragraph in cleandoc(text).split("\n\n"))
 
 
 def _print_version(wanted: bool) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -80,16 +81,29 @@ def effect_names(incomplete: str) -> list[str]:
 
 
 def effects_of_model(ctx: typer.Context, incomplete: str) -> list[str]:
-    """Effects of the model that was named before, else of the catalogue, that begin like this, for tab completion."""
+    """Effects of the model on this line, else of the catalogue, that begin like this, for tab completion."""
     from ema_bench_replay.errors import InputError
 
     from ..model import load_model
 
     try:
-        names = list(load_model(ctx.params["model"]).effects)
+        names = list(load_model(ctx.params.get("model") or _model_on_line()).effects)
     except (KeyError, TypeError, InputError):
         return effect_names(incomplete)
     return [name for name in names if name.startswith(incomplete)]
+
+
+def _model_on_line() -> str:
+    """The model behind the cursor, where the command line's parser, which stops there, has not read it.
+
+    Raises KeyError if there is none, or if the shell does not tell.
+    """
+    words = os.environ["COMP_WORDS"].split()
+    for word, after in pairwise([*words, ""]):
+        option, _, value = word.partition("=")
+        if option in ("--model", "-m") and (value or after):
+            return value or after
+    raise KeyError("--model")
 
 
 def input_names(incomplete: str) -> list[str]:

@@ -7,7 +7,7 @@ import os
 import re
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from rich.console import Console
@@ -82,6 +82,11 @@ def say(text: str, *, style: str = "", markup: bool = False) -> None:
     said = Text.from_markup(text, style=style) if markup else Text(text, style)
     folds = _folds and not said.plain.startswith(COMMAND)
     console.print(fold(said, console.width) if folds else said, soft_wrap=True)
+
+
+def takes_colours(environment: Mapping[str, str] = os.environ) -> bool:
+    """Whether the terminal shows colours, and nobody asked for none; else their codes would be printed as text."""
+    return not environment.get("NO_COLOR") and environment.get("TERM", "dumb") not in ("dumb", "unknown")
 
 
 def unfolded(text: str) -> None:

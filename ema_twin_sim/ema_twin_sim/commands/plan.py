@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +11,7 @@ import typer
 
 from ..criteria import DECIDED
 from ..listing import listed
+from ..words.next_recording import rival_words, spoken
 from ..words.sentences import dependence_words, effect_words
 from . import options
 from .output import console, status, unfolded
@@ -183,12 +183,12 @@ def show(found: Plan, motion: str) -> None:
     else:
         console.print("[bold]No explanation is in doubt, but another recording would show more.[/bold]", soft_wrap=True)
     for doubt in found.in_doubt:
-        unfolded(f"  {_spoken(doubt.reason)}")
+        unfolded(f"  {spoken(doubt.reason)}")
     proposal = found.proposal
     if proposal is not None:
         console.print(f"\n[bold]Record next: {proposal.command}[/bold] for {proposal.seconds:g} s", soft_wrap=True)
         unfolded(f"  {in_words(proposal.command, motion)}")
-        unfolded(f"  {_spoken(proposal.why)}")
+        unfolded(f"  {spoken(proposal.why)}")
         if proposal.beyond:
             load = "--max-current" if found.limits.torque_constant is None else "--max-torque"
             unfolded(
@@ -203,7 +203,7 @@ def show(found: Plan, motion: str) -> None:
             hides = listed(map(effect_words, proposal.hides), "or")
             unfolded(f"It would still not show {hides}: record it, then run plan again with it.")
     if found.inseparable:
-        apart = "; ".join(" or ".join(map(_name, pair)) for pair in found.inseparable)
+        apart = "; ".join(" or ".join(map(rival_words, pair)) for pair in found.inseparable)
         unfolded(f"\nNo command within the limits can distinguish: {apart}.")
         for hint in found.elsewhere():
             unfolded(f"  {hint}")
@@ -212,7 +212,7 @@ def show(found: Plan, motion: str) -> None:
 def _commands(proposals: Sequence[Proposal]) -> ReportTable:
     table = ReportTable(f"\nHow well it would distinguish them, in standard deviations ({DECIDED:g} or more decide)")
     table.words("command")
-    table.numbers("seconds", *(" or ".join(map(_name, pair)) for pair in proposals[0].separation))
+    table.numbers("seconds", *(" or ".join(map(rival_words, pair)) for pair in proposals[0].separation))
     for k, proposal in enumerate(proposals):
         values = (f"{value:.0f}" if value >= 1.0 else "0" for value in proposal.separation.values())
         table.add_row(proposal.command, f"{proposal.seconds:g}", *values, style="bold" if k == 0 else "")
@@ -227,20 +227,8 @@ def _shown(proposal: Proposal) -> ReportTable:
     table.words("effect")
     table.numbers("so far", "with it")
     for id, (now, then) in proposal.shows.items():
-        table.add_row(_name(id), f"{now:.1f}", f"{then:.0f}")
+        table.add_row(rival_words(id), f"{now:.1f}", f"{then:.0f}")
     return table
-
-
-def _name(rival: str) -> str:
-    """``sun_runout(kind=conservative)`` as ``sun runout (kind conservative)``."""
-    id, _, kind = rival.partition("(")
-    return f"{effect_words(id)} ({kind.rstrip(')').replace('=', ' ')})" if kind else effect_words(id)
-
-
-def _spoken(text: str) -> str:
-    """A sentence with its effect ids replaced by words."""
-    words = re.sub(r"[a-z]+(_[a-z]+)+(\([^)]*\))?", lambda found: _name(found.group()), text)
-    return f"{words[0].upper()}{words[1:]}."
 
 
 def _show_how(proposal: Proposal, name: str, model: Model, output: Path | None, with_files: Sequence[Path]) -> None:

@@ -83,7 +83,7 @@ def run(
     from ..report.fitted import check_same_effects
     from ..words.findings import read_findings
     from ..words.fit_findings import read_fit_findings
-    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs
+    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, with_noise_told
 
     if len(model) not in (2, 3):
         raise InputError(
@@ -101,6 +101,7 @@ def run(
     if len(models) > 2:
         check_same_effects(models[1], models[2], (model[1], model[2]))
     recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
+    models = [with_noise_told(recordings, given) for given in models]
     apart = load_runs(held_out, import_map=import_map, strict=strict, least=2) if held_out else []
 
     fitting = read_fit_findings(fit) if fit else None

@@ -14,7 +14,7 @@ from ..listing import listed
 from ..quantities import quantity
 from ..words.decisive import decisive_sentence
 from ..words.error_cells import ALL, error_cell, noise_cell
-from ..words.sentences import by_number
+from ..words.sentences import by_number, input_words
 from .output import console, say, sparkline
 from .side_by_side import show_side_by_side
 from .tables import ReportTable, is_narrow
@@ -41,7 +41,8 @@ def show_comparison(comparisons: Sequence[Comparison], labels: Sequence[str] = (
     else:
         _show_errors(comparisons[0])
     if comparisons[0].input == "current":
-        say("The current drives the twin open loop: its speed and positions drift and are left out (JSON has them).")
+        driving = input_words("current", comparisons[0].overall, comparisons[0].motion)
+        say(f"The {driving} drives the twin open loop: its speed and positions drift and are left out (JSON has them).")
     for comparison in comparisons:
         torques = {r.name: r.torque_error for r in comparison.recordings if r.torque_error is not None}
         show_torque_errors(torques, comparison.motion, comparison.model if len(comparisons) > 1 else "")
@@ -58,7 +59,7 @@ def _show_errors(comparison: Comparison) -> None:
     names = shown_signals(comparison.input, comparison.overall)
     rows = [(r.name, r.signals) for r in sorted(comparison.recordings, key=lambda r: by_number(r.name))]
     rows.append((ALL, comparison.overall))
-    title = f"RMSE, measured minus twin (input: {comparison.input})"
+    title = f"RMSE, measured minus twin (input: {input_words(comparison.input, comparison.overall, comparison.motion)})"
     table = ReportTable(title)
     table.words("recording")
     table.numbers(*(name.replace("_", " ") for name in names))

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from ..new_machine.drafts import Drafts
 
 
+_NOTHING = {True: "nothing had to be guessed", False: "no line to check, but a signal is missing: see below"}
+
+
 def warn_of_contradicted_names(guesses: Guesses) -> None:
     """Warn of columns whose name says one quantity and whose unit another, for example if two units were swapped."""
     from ema_bench_replay.traces.header_words import header_words
@@ -64,12 +67,15 @@ def say_what_it_rests_on(map_file: Path, place: Path, besides: Sequence[str], kn
         say(f"Assumed: {sentence}")
 
 
-def to_look_at(text: str) -> str:
-    """How many lines of a draft to check; its first two lines, which explain the mark, do not count."""
+def to_look_at(text: str, *, complete: bool = True) -> str:
+    """How many lines of a draft to check; its first two lines, which explain the mark, do not count.
+
+    ``complete``: whether the recordings hold what an analysis needs.
+    """
     from ..model.check_comment import CHECK
 
     count = sum(CHECK in line for line in text.splitlines()[2:])
-    return f"{number_of(count, 'line')} to check, marked {CHECK}" if count else "nothing had to be guessed"
+    return f"{number_of(count, 'line')} to check, marked {CHECK}" if count else _NOTHING[complete]
 
 
 def in_unit(guess: Guess) -> str:
@@ -89,16 +95,23 @@ def say_next(
     ``holed`` are columns left out for cells that hold no number.
     """
     trace = " ".join(traces)
+    moves = any(guess.signal in ("motor_position", "speed") for guess in guesses.signals)
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
-        say(f"{path}: {to_look_at(text)}")
+        say(f"{path}: {to_look_at(text, complete=moves or path != files[0])}")
     if why := guesses.points_doubt:
         say(f"{why[:1].upper()}{why[1:]}: each row is read as an operating point, at rest or at constant speed.")
-    say("Then:")
-    say(f"  ema-twin info {traces[0]} --map {quote(str(files[0]))}")
     unsigned = " and ".join(guess.column for guess in guesses.signals if guess.magnitude)
     if guesses.both_encoders and not guesses.drives:
         missed = "No current or torque with a sign" if unsigned else "No current or torque"
         say(f"{missed} was found: only backlash, delay and angle errors of the encoders can be found.")
+    say("Then:")
+    say(f"  ema-twin info {traces[0]} --map {quote(str(files[0]))}")
+    if guesses.drives and not moves:
+        say(
+            f"  No motor position or speed was found: add its column to {files[0]}; no missing effect can be told "
+            "without."
+        )
+        return
     if guesses.drives or guesses.both_encoders:
         say_search(trace, *files)
         return

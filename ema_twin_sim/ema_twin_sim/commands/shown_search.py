@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 from rich.markup import escape
 
 from ..quantities import estimate, quantity
+from ..words.next_recording import recording_words
 from ..words.parameters import numbers_of, parameter_rows
 from ..words.sentences import (
     REFIT,
     REFIT_IS,
     change_words,
+    draft_words,
     effect_words,
     groups_sentence,
     has_moved,
@@ -78,12 +80,12 @@ def show_search(found: Discovery, without: Sequence[str] = ()) -> None:
         say(f"\nNot known from these recordings (the error is larger than the value): {', '.join(unknown)}.")
 
 
-def show_doubts(groups: Sequence[Sequence[str]], next_recording: str) -> None:
-    """Print what the recordings cannot tell apart, and the recording to make next."""
+def show_doubts(groups: Sequence[Sequence[str]], next_recording: str, motion: str) -> None:
+    """Print what the recordings cannot tell apart, and the recording to make next of a machine of this ``motion``."""
     if groups:
         say(f"\n{groups_sentence(groups)}")
     if next_recording:
-        say(f"\nRecord next: {next_recording}")
+        say(f"\nRecord next: {recording_words(next_recording, motion)}")
 
 
 def _steps(found: Discovery) -> ReportTable:
@@ -108,7 +110,7 @@ def _steps(found: Discovery) -> ReportTable:
         table.add_row(
             REFIT,
             *(() if narrow else (REFIT_IS,)),
-            quantity(unseen.given, unseen.unit),
+            draft_words(unseen.given, unseen.rmse[0], unseen.unit),
             quantity(unseen.rmse[0], unseen.unit),
             removed_words(unseen.refit_removed, unseen.given, unseen.rmse[0]),
             *(quantity(value, "rad") for value in outputs),

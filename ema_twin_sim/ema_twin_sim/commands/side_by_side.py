@@ -10,7 +10,7 @@ from rich.markup import escape
 from ..comparison.beyond_noise import shown_signals
 from ..quantities import quantity
 from ..words.error_cells import ALL, closeness_cell, error_cell, noise_cell, number_of_times
-from ..words.sentences import by_number
+from ..words.sentences import by_number, input_words
 from .output import console, say
 from .tables import ReportTable
 
@@ -55,8 +55,9 @@ def _of_recordings(name: str, comparisons: Sequence[Comparison]) -> ReportTable:
 
     first = comparisons[0]
     error = first.overall[name]
+    driving = input_words(first.input, first.overall, first.motion)
     noise = f"noise floor {quantity(error['noise_floor'], error['unit'])}"
-    table = _table(f"RMSE of the {name.replace('_', ' ')} (input {first.input}, {noise})", "recording", comparisons)
+    table = _table(f"RMSE of the {name.replace('_', ' ')} (input {driving}, {noise})", "recording", comparisons)
     closest = [closer(first, other) for other in comparisons[1:]]
     for row in sorted(range(len(first.recordings)), key=lambda k: by_number(first.recordings[k].name)):
         errors = [comparison.recordings[row].signals for comparison in comparisons]
@@ -73,8 +74,9 @@ def _of_signals(_: str, comparisons: Sequence[Comparison]) -> ReportTable:
     from ..comparison.closeness import closer
 
     first = comparisons[0]
+    driving = input_words(first.input, first.overall, first.motion)
     of = ALL if len(first.recordings) > 1 else first.recordings[0].name
-    table = _table(f"RMSE of {of}, measured minus twin (input {first.input})", "signal", comparisons, "noise floor")
+    table = _table(f"RMSE of {of}, measured minus twin (input {driving})", "signal", comparisons, "noise floor")
     closest = [closer(first, other).overall for other in comparisons[1:]]
     for name in shown_signals(first.input, first.overall):
         errors = [comparison.overall for comparison in comparisons]
@@ -118,6 +120,7 @@ def _in_words(name: str, first: Comparison, other: Comparison) -> str:
     each = sorted((signals[name].times, recording) for recording, signals in found.recordings if name in signals)
     if len(each) > 1:
         at = dict(found.recordings)
-        ends = (f"{closeness_cell(at[recording][name])} ({recording})" for _, recording in (each[0], each[-1]))
-        text += ", from " + " to ".join(ends)
+        least, most = (closeness_cell(at[recording][name]) for _, recording in (each[0], each[-1]))
+        if least != most:
+            text += f", from {least} ({each[0][1]}) to {most} ({each[-1][1]})"
     return f"{text}."

@@ -14,6 +14,7 @@ from ..listing import number_of
 from ..quantities import estimate, quantity
 from ..words.units import (
     LAST_ERROR,
+    LAST_ERROR_IS,
     RESULT_HEAD,
     TEST_HEAD,
     change_of,
@@ -200,10 +201,7 @@ def _show(
             *([escape(health_words(health[one.name]))] if judged else []),
         )
     console.print(table)
-    say(
-        f"{LAST_ERROR.capitalize()}: the largest error of a signal in the last recording that was judged, in times the "
-        "sensors' noise; --unit NAME shows all recordings."
-    )
+    say(f"{LAST_ERROR_IS} --unit NAME shows all recordings.")
 
 
 def _changed(looks: Sequence[Outlook]) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from ..criteria import NOISY, SMALL
+from ..quantities import MOST_TIMES
 
 if TYPE_CHECKING:
     from .running_comparison import SignalError
@@ -42,7 +43,9 @@ def beyond_noise(source: str, signals: Mapping[str, SignalError]) -> dict[str, f
 
 
 def times_words(times: float) -> str:
-    """Format a ratio: ``5.0 times``, ``42 times``."""
+    """Format a ratio: ``5.0 times``, ``42 times``, ``over 1000 times``."""
+    if times > MOST_TIMES:
+        return f"over {MOST_TIMES:.0f} times"
     digits = max(0, 1 - int(math.log10(max(times, 1.0))))
     return f"{times:.{digits}f} times"
 

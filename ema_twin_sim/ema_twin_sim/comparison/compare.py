@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -24,7 +25,7 @@ from ..model.own_units import shown
 from ..parallel import simulations
 from ..simulation.angle_origins import angle_origins, without_common_zero
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
-from .beyond_noise import beyond_noise
+from .beyond_noise import beyond_noise, shown_signals
 from .decisive_stretch import DecisiveStretch, decisive_stretch
 from .running_comparison import UNITS, RunningComparison, SignalError
 from .unknown_start import unknown_start
@@ -199,24 +200,47 @@ def compare_all(
     progress: Callable[[str, str], None] = lambda model, name: None,
     within: Callable[[str, str, float], None] = lambda model, name, share: None,
 ) -> list[Comparison]:
-    """Compare several models with the same recordings, using one noise floor: that of the first.
+    """Compare several models with the same recordings, using one noise floor: that of the model with the least error.
 
     ``progress`` is called with the model's and the recording's name, ``within`` also with the share of a long recording
     that was simulated.
     """
-    noise = noise_of(recordings, models[0])
-    return [
+    compared = [
         compare(
             recordings,
             model,
             source,
             step=step,
-            noise=noise,
             progress=partial(progress, model.name),
             within=partial(within, model.name),
         )
         for model in models
     ]
+    best = min(compared, key=_main_error)
+    return [comparison if comparison is best else _with_noise_of(best, comparison) for comparison in compared]
+
+
+def _main_error(comparison: Comparison) -> float:
+    """RMSE of the signal by which models are judged first; infinite if it is not known."""
+    name = next(iter(shown_signals(comparison.input, comparison.overall)), "")
+    rmse = comparison.overall[name]["rmse"] if name else 0.0
+    return rmse if math.isfinite(rmse) else math.inf
+
+
+def _with_noise_of(best: Comparison, comparison: Comparison) -> Comparison:
+    """The comparison with the noise floors of another one of the same recordings."""
+    recordings = tuple(
+        replace(own, signals=_floored(own.signals, other.signals))
+        for own, other in zip(comparison.recordings, best.recordings, strict=True)
+    )
+    return replace(comparison, recordings=recordings, overall=_floored(comparison.overall, best.overall))
+
+
+def _floored(signals: Signals, others: Signals) -> Signals:
+    return {
+        name: {**error, "noise_floor": others[name]["noise_floor"]} if name in others else error
+        for name, error in signals.items()
+    }
 
 
 def overall_errors(recordings: Sequence[Recording], model: Model, noise: Mapping[str, float]) -> tuple[str, Signals]:
@@ -280,7 +304,7 @@ def _dependences(
     Below ``slow`` [rad/s] there is no direction.
     """
     if model.units is None:
-        return find_dependences(name, _UNITS[name], parts, torque, standstill=slow)
+        return find_dependences(name, _UNITS[name], parts, torque, standstill=slow, direct=model.is_direct)
     (_, unit), (way, _) = shown(model, 1.0, _UNITS[name]), shown(model, 1.0, "rad")
     native = [in_native_units(model, name, part) for part in parts]
     return find_dependences(name, unit, native, torque, motion="linear", standstill=slow * way)

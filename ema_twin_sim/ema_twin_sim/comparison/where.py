@@ -150,13 +150,14 @@ def find_dependences(
     *,
     motion: str = "rotary",
     standstill: float = STANDSTILL,
+    direct: bool = False,
 ) -> list[Dependence]:
     """The residual of ``signal`` against each variable, the main dependence first; empty if there is too little data.
 
     If several variables explain nearly the same, the simplest comes first: an error that depends on direction is also a
     function of speed. ``torque`` is the N m per unit of the signal, if applicable. ``motion`` is ``linear`` for a
-    linear machine; ``standstill`` [rad/s or m/s] is the speed below which a direction means little. Only
-    orders with at least two samples a cycle are named.
+    linear machine, ``direct`` is True if the output turns with the motor; ``standstill`` [rad/s or m/s] is the speed
+    below which a direction means little. Only orders with at least two samples a cycle are named.
     """
     stretches = [_finite(stretch) for stretch in stretches]
     residual = joined([stretch.residual for stretch in stretches]) if stretches else np.zeros(0)
@@ -171,7 +172,7 @@ def find_dependences(
         ("time", "s", *_even([stretch.time for stretch in stretches])),
     )
     found = [_constant(signal, unit, residual)]
-    found += [d for v in variables if (d := _binned(signal, unit, residual, *v)) is not None]
+    found += [d for v in variables if (d := _binned(signal, unit, residual, *v, direct=direct)) is not None]
     # a carriage has no revolutions
     turns = motion == "rotary"
     periodic = _periodic(signal, unit, residual, stretches, torque, standstill) if turns else None
@@ -216,6 +217,8 @@ def _binned(
     variable_unit: str,
     values: np.ndarray,
     edges: np.ndarray,
+    *,
+    direct: bool,
 ) -> Dependence | None:
     if not edges[0] < edges[-1]:
         return None  # the variable never changes
@@ -242,7 +245,7 @@ def _binned(
     lowest, highest = (
         int(pick(np.where(used, mean, fill))) for pick, fill in ((np.argmin, np.inf), (np.argmax, -np.inf))
     )
-    places = [_in_words(variable, variable_unit, edges, k) for k in (worst, lowest, highest)]
+    places = [_in_words(variable, variable_unit, edges, k, direct=direct) for k in (worst, lowest, highest)]
     means = ((float(mean[lowest]), places[1]), (float(mean[highest]), places[2]))
     return Dependence(
         signal, unit, variable, max(0.0, float(share)), float(edges[worst]), float(edges[worst + 1]), variable_unit,
@@ -250,11 +253,11 @@ def _binned(
     )  # fmt: skip
 
 
-def _in_words(variable: str, unit: str, edges: np.ndarray, place: int) -> str:
+def _in_words(variable: str, unit: str, edges: np.ndarray, place: int, *, direct: bool) -> str:
     if variable == "direction":
         return ("moving backward", "near standstill and at reversals", "moving forward")[place]
     name = {"speed": "at", "output_position": "at an output position of", "time": "at"}[variable]
-    of = " of the motor shaft" if variable == "speed" and unit == "rad/s" else ""
+    of = " of the motor shaft" if variable == "speed" and unit == "rad/s" and not direct else ""
     return f"{name} {edges[place]:.3g} to {edges[place + 1]:.3g} {unit}{of}"
 
 

@@ -25,7 +25,7 @@ def noise_of(recordings: Sequence[Recording], model: Model) -> NoiseFloor:
     if not recordings:
         return noise_floors(to_rotary_equivalent(recordings, model)[1])
     taken = as_measured(recordings, model)
-    recordings, near = to_rotary_equivalent(taken, begun_near(taken, model))
+    recordings, near = to_rotary_equivalent(taken, begun_near(taken, model, absent=True))
     kinds = {(r.has("speed"), r.sample_period) for r in recordings}
     floors = {kind: noise_floors(near, has_speed=kind[0], period=kind[1]) for kind in kinds}
     each = [floors[r.has("speed"), r.sample_period] for r in recordings]

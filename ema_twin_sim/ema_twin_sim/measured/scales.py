@@ -62,10 +62,11 @@ def to_own_units(recordings: Sequence[Recording], model: Model) -> tuple[list[Re
         ) from None
 
 
-def begun_near(recordings: Sequence[Recording], model: Model) -> Model:
+def begun_near(recordings: Sequence[Recording], model: Model, *, absent: bool = False) -> Model:
     """The model with its open inertia and friction set close to what the recordings show.
 
-    Open values are guesses: neither a scale nor an answer may depend on them.
+    Open values are guesses: neither a scale nor an answer may depend on them. Friction that the recordings do not show
+    keeps its guess, since a search needs a start; with ``absent`` it is zero.
     """
     paths = [path for path in INERTIAS if model.value(path) > 0.0]
     if not model.is_open or not all(math.isinf(model.constants[path].tolerance) for path in paths):
@@ -81,7 +82,7 @@ def begun_near(recordings: Sequence[Recording], model: Model) -> Model:
         held = {name: effect for name, effect in model.active.items() if effect.effect == id}
         parameter = find_effect(id, id).parameters[0].name
         total = sum(effect.parameters[parameter] for effect in held.values())
-        if held and size > 0.0 and total > 0.0 and all(effect.open for effect in held.values()):
+        if held and (size > 0.0 or absent) and total > 0.0 and all(effect.open for effect in held.values()):
             for name, effect in held.items():
                 parameters = {**effect.parameters, parameter: effect.parameters[parameter] * size / total}
                 effects[name] = effect.at(parameters)

@@ -6,6 +6,7 @@ would all be a thousand times as large. So unusual values lead to a question; th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -14,13 +15,16 @@ from ema_bench_replay.recording import Recording
 
 from ..model import Model
 from ..model.matching import BY_TORQUE
-from ..model.model_file import ABSENT
+from ..model.model_file import ABSENT, TORQUE_CONSTANT
 
 USUAL: dict[str, tuple[float, float, str, str]] = {
     "current": (0.02, 100.0, "A", "mA"),
     "speed": (0.0, 2500.0, "rad/s", "rpm"),
 }
 """By signal: usual lower and upper limit of its largest value, its unit, and the unit it is mistaken for."""
+WINDING: dict[str, float] = {"usual": 4.0, "mistaken": 1000.0}
+"""Induced voltage over current [ohm] in the middle of what drives have, from 0.1 (12 V, 100 A) to 150 (1.5 V, 10 mA);
+and the factor of a wrong unit."""
 
 
 def unusual_sizes(recording: Recording) -> Iterator[str]:
@@ -46,17 +50,39 @@ def unusual_sizes(recording: Recording) -> Iterator[str]:
 def unusual_currents(recordings: Sequence[Recording], model: Model) -> tuple[str, ...]:
     """The question about the current, for the recording with the largest one, if the model does not answer it.
 
-    A model answers it if its constants are known, or if it has a limit of its drive's current.
+    A model answers it if its constants are known, if it has a limit of its drive's current, or if its torque constant
+    was given and suits such a current.
     """
     with_current = [r for r in recordings if r.has("current") and BY_TORQUE not in r.metadata]
     if not with_current or not model.is_open or model.constants["drive.current_limit"].source != ABSENT:
         return ()
     most = max(with_current, key=lambda recording: _largest(recording, "current"))
+    if _suits_torque_constant(with_current, model):
+        return ()
+    limit = float(f"{10.0 * _largest(most, 'current'):.1g}")
     return tuple(
-        f"{question} If not, write drive.current_limit into the model"
+        f"{question} If not, write the limit of the drive's current into the model, under `drive:`, with the drive's "
+        f"own number: `current_limit: {{value: {limit:.15g}, unit: A, source: given}}`"
         for question in unusual_sizes(most)
         if question.startswith(f"{most.name}: current ")
     )
+
+
+def _suits_torque_constant(recordings: Sequence[Recording], model: Model) -> bool:
+    """Whether the current as it was read suits the given torque constant better than one read in the other unit.
+
+    A torque constant in N m/A is one in V s/rad, so the voltage that the motor induced at its largest speed is known.
+    Over the largest current it has the size of a winding's resistance, which is that of usual drives (``WINDING``) or
+    a thousand times as large or small, even where the current alone is unusual: a watch's motor induces 1 V and takes
+    10 mA. Without a torque constant or a speed this is not known.
+    """
+    given = model.constants[TORQUE_CONSTANT]
+    fast = [_largest(recording, "speed") for recording in recordings if recording.has("speed")]
+    current = max(_largest(recording, "current") for recording in recordings)
+    if given.source == ABSENT or not fast or not min(given.value, max(fast), current) > 0.0:
+        return False
+    off = abs(math.log(given.value * max(fast) / current / WINDING["usual"]))
+    return off < 0.5 * math.log(WINDING["mistaken"])
 
 
 def _largest(recording: Recording, signal: str) -> float:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime, timezone
 
 from ema_bench_replay.recording import NO_DATE, Recording
+from ema_bench_replay.traces.import_map import TIME_UNITS
 
 from ..comparison.beyond_noise import shown_signals
 from ..comparison.compare import Comparison, compare_all, explained_signals
@@ -20,6 +22,8 @@ from .fitted import TwoValues, two_values
 
 ROLES = ("your model", "with the effects found", "fitted")
 """Names of three models in the tables and legends of a page or view."""
+
+_CLOCKS = (631_152_000.0, 4_102_444_800.0)  # s since 1970: the years 1990 to 2100, in which recordings were made
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,16 +119,28 @@ class Content:
 
 
 def dates(recordings: Sequence[Recording]) -> str:
-    """When recordings were made: ``2026-03-14 09:21 UTC to …``."""
-    known = sorted(recording.start for recording in recordings if recording.start != NO_DATE)
+    """When recordings were made: ``2026-03-14 09:21 UTC to …``; without ``UTC`` by the clock of a text trace."""
+    known = sorted(date for date in map(_date, recordings) if date is not None)
     if not known:
         return "no date in the files"
-    texts = [
-        datetime.fromtimestamp(stamp * 1e-9, timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
-        for stamp in (known[0], known[-1])
-    ]
     missing = len(recordings) - len(known)
-    return " to ".join(dict.fromkeys(texts)) + (f" ({missing} without a date)" if missing else "")
+    ends = dict.fromkeys(text for _, text in (known[0], known[-1]))
+    return " to ".join(ends) + (f" ({missing} without a date)" if missing else "")
+
+
+def _date(recording: Recording) -> tuple[float, str] | None:
+    """The time of the first sample [s since 1970], and in words; None if it is not known.
+
+    The clock of a text trace has no time zone, and counts from any time: it tells a date if it counts from 1970.
+    """
+    seconds, zone = recording.start * 1e-9, " UTC"
+    if recording.start == NO_DATE:
+        text = json.loads(recording.metadata.get("text", "{}"))
+        seconds = text.get("time_origin", 0.0) * TIME_UNITS[text.get("time_unit", "s")] * 1e-9
+        if not _CLOCKS[0] <= seconds < _CLOCKS[1]:
+            return None
+        zone = ""
+    return seconds, f"{datetime.fromtimestamp(seconds, timezone.utc):%Y-%m-%d %H:%M}{zone}"
 
 
 def signal_words(name: str) -> str:

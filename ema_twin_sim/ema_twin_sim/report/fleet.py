@@ -21,6 +21,7 @@ from ..quantities import estimate, quantity
 from ..words.sentences import effect_words
 from ..words.units import (
     LAST_ERROR,
+    LAST_ERROR_IS,
     RESULT_HEAD,
     TEST_HEAD,
     change_of,
@@ -97,8 +98,9 @@ def _overview(
     )
     found = table(head, rows, words=(0, 3, 4, 6, 7))
     box = tag("p", tag("label", "Show units with ", Markup('<input type="search" aria-label="filter">')))
+    note = tag("p", LAST_ERROR_IS, class_="aside")
     title = number_of(len(units), "unit")
-    body = joined([tag("h1", title), tag("p", fleet_words(units, ahead, health), class_="lead"), box, found])
+    body = joined([tag("h1", title), tag("p", fleet_words(units, ahead, health), class_="lead"), box, found, note])
     return whole_page(title, body, script=_FILTER)
 
 

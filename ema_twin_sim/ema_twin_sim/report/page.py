@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..words.next_recording import recording_words
 from .chart import Charts
 from .compared import compared
 from .content import Content
@@ -53,5 +54,8 @@ def _next(content: Content) -> Markup:
     if findings is None:
         line = content.undiagnosed or "No recommendation: no search was made."
     else:
-        line = findings.next_recording or "No doubt remains that another recording could resolve."
+        suggested = recording_words(findings.next_recording, content.models[0].motion)
+        if suggested != findings.next_recording:  # a command, which is written in small letters
+            suggested = f"Record {suggested}"
+        line = suggested or "No doubt remains that another recording could resolve."
     return section("next", "What to record next", tag("p", f"{line[:1].upper()}{line[1:]}"), *told)

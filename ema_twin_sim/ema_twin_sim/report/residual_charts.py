@@ -57,7 +57,9 @@ def failures(given: Shown, model: Model, names: Sequence[str], *, limited: bool 
         stretches = [[each.stretches[name] for each in curves if name in each.stretches] for curves in given.curves]
         if sum(len(part.residual) for part in stretches[0]) < FEWEST_SAMPLES:
             continue
-        shown = _Signal(name, given, names, stretches, limited=limited and hides_the_rest(given, model, name))
+        narrow = limited and hides_the_rest(given, model, name)
+        geared = model.motion == "rotary" and not model.is_direct
+        shown = _Signal(name, given, names, stretches, limited=narrow, geared=geared)
         orders = shown.over_order(model) if model.motion == "rotary" else None
         found.append(Failures(name, (shown.over_speed(), shown.over_position(), shown.over_direction()), orders))
     return found
@@ -79,7 +81,9 @@ class _Signal:
         stretches: Sequence[Sequence[Stretch]],
         *,
         limited: bool,
+        geared: bool,
     ) -> None:
+        """``geared``: whether the output has another speed than the motor."""
         error, first = given.comparisons[0].overall[name], given.curves[0][0]
         self.words, self.models, self.base = signal_words(name), models, error["unit"]
         self.roles = MODELS[: len(models)]
@@ -89,6 +93,7 @@ class _Signal:
         self.residuals = [np.concatenate([part.residual for part in parts]) for parts in stretches]
         self.speeds = [np.concatenate([part.speed for part in parts]) for parts in stretches]
         self.limited = limited
+        self.geared = geared
         told = self.residuals[1:] if limited else self.residuals
         self.scale, self.unit = axis_unit(max(float(np.nanquantile(np.abs(r), 0.98)) for r in told), self.base)
         self.title = f"residual of the {self.words} [{self.unit}]"
@@ -102,7 +107,8 @@ class _Signal:
             for role, model, speed, residual in zip(self.roles, self.models, self.speeds, self.residuals, strict=True)
             for trace in self._banded(speed, residual, role, model, narrow=True)
         ]
-        return self._chart("the motor's speed", axis(f"speed of the motor [{self.way}/s]"), traces)
+        whose, of = ("the motor's", " of the motor") if self.geared else ("the", "")
+        return self._chart(f"{whose} speed", axis(f"speed{of} [{self.way}/s]"), traces)
 
     def over_position(self) -> Chart:
         """The residual over the output's position, separately forward and backward."""

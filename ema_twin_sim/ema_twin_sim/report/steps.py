@@ -16,6 +16,7 @@ from ..words.sentences import (
     REFIT,
     REFIT_IS,
     change_words,
+    draft_words,
     effect_words,
     is_visible,
     larger_sentence,
@@ -65,7 +66,7 @@ def _refit(findings: Findings) -> list[tuple[str, ...]]:
     if unseen is None or unseen.given is None or unseen.given == unseen.rmse[0]:
         return []
     share = share_removed(unseen.given, unseen.rmse[0], unseen.noise_floor)
-    sizes = (quantity(value, unseen.unit) for value in (unseen.given, unseen.rmse[0]))
+    sizes = draft_words(unseen.given, unseen.rmse[0], unseen.unit), quantity(unseen.rmse[0], unseen.unit)
     return [(REFIT, *sizes, removed_words(share, unseen.given, unseen.rmse[0]), "–", "–", REFIT_IS)]
 
 

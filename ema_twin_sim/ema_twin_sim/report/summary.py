@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from ..comparison.beyond_noise import is_noise, times_noise, times_words
 from ..comparison.running_comparison import SignalError, excess_removed
+from ..criteria import NOISY
 from ..effects import catalogue
 from ..listing import listed, number_of
-from ..quantities import quantity
+from ..quantities import MOST_TIMES, limited_factor, quantity
+from ..words.findings import UnseenErrors
 from ..words.sentences import (
     NO_RUNNER_UP,
     NOT_IN_CATALOGUE,
     effect_words,
     fit_sentences,
     groups_sentence,
+    input_words,
     no_effect_words,
     refit_sentence,
     removed_words,
@@ -24,13 +28,15 @@ from ..words.sentences import (
 from .backwards import backwards, gone_effects, searched_model
 from .content import Content, Shown, dates, signal_words
 from .difference import NewEffect, new_effects
+from .lag import lag_sentence
 from .markup import Markup, capitalised, items, joined, table, tag
+
+WITHIN = 0.5
+"""Ratio of an error to the sensors' noise below which only the noise is told."""
 
 
 def verdict(content: Content) -> str:
-    """What the earlier model lacks, in one plain sentence; or what puts every number of the page in doubt."""
-    if doubts := misread(content):
-        return f"Check this before you trust the page: {doubts[0]}."
+    """What the earlier model lacks, in one plain sentence."""
     if said := backwards(content):
         return said
     before, after = content.names[:2]
@@ -61,10 +67,13 @@ def head(content: Content) -> Markup:
     )
     lead = tag("p", _lead(content), class_="lead")
     errors = error_table(content.given, content.labels)
+    told = (f"Check this before you trust the page: {text}." for text in misread(content))
+    doubts = [tag("p", text, class_="warning doubt") for text in told]
     notes = [tag("p", note, class_="aside") for note in (_called(content), content.note) if note]
     return tag(
         "header",
         tag("h1", verdict(content)),
+        *doubts,
         lead,
         *story,
         tag("div", *cards, class_="cards"),
@@ -90,16 +99,18 @@ def _agrees(content: Content, new: list[NewEffect]) -> bool:
 
 
 def _lead(content: Content) -> str:
-    """Sentences on how the errors of the main signals changed."""
+    """Sentences on how the errors of the main signals changed; leads with those on recordings not used for fitting."""
     first, second = content.given.comparisons[:2]
     if not content.given.headlines:
         return "No signal in these recordings distinguishes the models."
-    parts = []
+    parts, unseen = [], _unseen(content)
     for name in content.given.headlines:
         before, after = first.overall[name], second.overall[name]
         began, ended = (quantity(error["rmse"], error["unit"]) for error in (before, after))
         way = "falls" if after["rmse"] < before["rmse"] else "does not decrease: it goes"
         sizes = f"stays at {ended}" if began == ended else f"{way} from {began} to {ended}"
+        if before["rmse"] > MOST_TIMES * after["rmse"] > 0.0:  # a draft, or nothing left
+            sizes = f"falls to {ended}, from over {MOST_TIMES:.0f} times that"
         parts.append(f"that of the {signal_words(name)} {sizes} ({_noises(after)})")
     said = listed(parts).removeprefix("that of")
     findings = content.findings
@@ -108,7 +119,28 @@ def _lead(content: Content) -> str:
         f" {refit} The effects found account for the rest." if refit and findings and findings.added else f" {refit}"
     )
     of = f"From {content.names[0]} to {content.names[1]}" if len(content.models) == 2 else "With the effects found"
-    return f"{of}, the error (RMSE) of{said}.{alone} {_fitted(content)}".strip()
+    if unseen is None:
+        return f"{of}, the error (RMSE) of{said}.{alone} {_fitted(content)}".strip()
+    given = unseen.rmse[0] if unseen.given is None else unseen.given
+    began = f"{quantity(given, unseen.unit)} before"
+    if given > MOST_TIMES * unseen.rmse[-1]:  # a draft: what its constants alone achieve is the reference
+        began = f"{quantity(unseen.rmse[0], unseen.unit)} with the constants alone refitted"
+    changes = f"{began}, {quantity(unseen.rmse[-1], unseen.unit)} with the effects found"
+    judged = f"On recordings not used for fitting, the error (RMSE) of the {signal_words(unseen.signal)} is {changes}."
+    of = f"{of[:1].lower()}{of[1:]}"
+    fitted = f"On all recordings, with numbers fitted to all of them: {of}, the error of{said}."
+    return f"{judged}{alone} {fitted} {_fitted(content)}".strip()
+
+
+def _unseen(content: Content) -> UnseenErrors | None:
+    """The errors on recordings not used for fitting, if the search found the later model with these recordings."""
+    findings = content.findings
+    unseen = findings.unseen if findings is not None else None
+    if unseen is None or len(unseen.recordings) < 2 or unseen.signal not in content.given.headlines:
+        return None
+    searched = {name for name, _ in unseen.recordings} == {recording.name for recording in content.given.recordings}
+    new = new_effects(*content.before_and_after, findings)
+    return unseen if searched and new and _agrees(content, new) and math.isfinite(unseen.rmse[-1]) else None
 
 
 def _fitted(content: Content) -> str:
@@ -163,7 +195,12 @@ def _sure(content: Content) -> list[Markup]:
         lines.append(f"A search on these recordings gives a different result from {content.names[1]}: {said}")
     if findings.ranking:
         lines.append(_probabilities(content))
-    runners = {step.instance: why_step(step) for step in findings.steps if step.action == "add"}
+    runners: dict[str, str] = {}
+    for step in findings.steps:
+        if step.action == "add":
+            runners[step.instance] = why_step(step)
+        else:
+            runners.pop(step.instance, None)  # dropped again: its rivals no longer matter
     lines += [f"Runner-up to {effect_words(name)}: {why}." for name, why in runners.items() if why != NO_RUNNER_UP]
     if unrivalled := [effect_words(name) for name, why in runners.items() if why == NO_RUNNER_UP]:
         lines.append(f"No other effect came close to {listed(unrivalled)}.")
@@ -172,7 +209,7 @@ def _sure(content: Content) -> list[Markup]:
     elif findings.verdict == "explained":
         lines.append("No other effect of the catalogue explains these recordings as well.")
     if findings.unseen is not None and len(findings.unseen.recordings) > 1:
-        lines.append("Evaluated on recordings that were not used for fitting.")
+        lines.append("The effects were judged on recordings that were not used for fitting.")
     return [items(*lines)]
 
 
@@ -189,17 +226,24 @@ def _probabilities(content: Content) -> str:
 
 
 def _left(content: Content) -> list[Markup]:
-    second = content.given.comparisons[1]
+    second, unseen = content.given.comparisons[1], _unseen(content)
     lines = []
     for name in content.given.headlines:
         error = second.overall[name]
         rmse = quantity(error["rmse"], error["unit"])
-        if is_noise(error):
-            lines.append(f"{capitalised(signal_words(name))}: {rmse}, the sensors' noise.")
-            continue
         where = next((found.sentence() for found in second.where if found.signal == name), "")
-        times = times_words(times_noise(error))
-        lines.append(f"{capitalised(signal_words(name))}: {rmse}, {times} the sensors' noise. {where}".strip())
+        if name == "output_position":
+            where = f"{where} {lag_sentence(content.given, content.models[1], 1)}".strip()
+        noise = "the sensors' noise"
+        if not is_noise(error):
+            noise = f"{times_words(times_noise(error))} {noise}"
+        if unseen is not None and name == unseen.signal:
+            apart = quantity(unseen.rmse[-1], unseen.unit)
+            if unseen.noise_floor > 0.0 and unseen.rmse[-1] > NOISY * unseen.noise_floor:
+                apart += f", {times_words(unseen.rmse[-1] / unseen.noise_floor)} the sensors' noise"
+            rmse = f"{apart} on recordings not used for fitting; with numbers fitted to all recordings {rmse}"
+        said = f"{capitalised(signal_words(name))}: {rmse}, {noise}."
+        lines.append(said if is_noise(error) else f"{said} {where}".strip())
     findings = content.findings
     if findings is not None and findings.stopped:
         lines.append(f"The search ended: {findings.stopped}.")
@@ -228,7 +272,10 @@ def _removed(before: SignalError, after: SignalError) -> str:
 
 
 def _against_noise(error: SignalError) -> Markup:
-    times = f" ({times_noise(error):.1f}×)" if error["noise_floor"] else ""
+    """The RMSE, and its ratio to the noise; a ratio far below one says only that the noise covers the error."""
+    ratio = times_noise(error)
+    said = "within the noise" if ratio < WITHIN else f"{limited_factor(ratio, '.1f')}×"
+    times = f" ({said})" if error["noise_floor"] else ""
     kind = "good" if is_noise(error) else "plain"
     return tag("span", f"{quantity(error['rmse'], error['unit'])}{times}", class_=kind)
 
@@ -238,6 +285,7 @@ def _about(content: Content) -> Markup:
     seconds = sum(recording.duration for recording in recordings)
     count = number_of(len(recordings), "recording")
     long = f"{sum(map(len, recordings))} operating points" if recordings[0].of_points else f"{seconds:.1f} s"
-    machine, source = content.models[0].machine, content.given.comparisons[0].input
+    machine, first = content.models[0].machine, content.given.comparisons[0]
+    source = input_words(first.input, first.overall, first.motion)
     told = f"{count}, {long}; recorded: {dates(recordings)}; machine: {machine}; input of the twins: {source}"
     return tag("p", f"{told}; ema-twin {content.version}.", class_="aside")

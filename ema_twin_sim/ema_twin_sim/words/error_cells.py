@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..comparison.beyond_noise import is_noise, times_noise
 from ..criteria import TOO_MUCH
-from ..quantities import quantity
+from ..quantities import MOST_TIMES, limited_factor, quantity
 
 if TYPE_CHECKING:
     from ..comparison.closeness import Closeness
@@ -30,13 +30,18 @@ def noise_cell(signal: SignalError | None) -> str:
 
 
 def closeness_cell(closeness: Closeness | None) -> str:
-    """``14.6 ×``; ``≥ 22 ×`` if the closer model's error is lost in the noise; a dash if both errors are."""
+    """``14.6 ×``; ``≥ 22 ×`` if the closer model's error is lost in the noise; a dash if both errors are.
+
+    ``over 1000 ×`` if it is more than that, which happens where a model is a draft.
+    """
     if closeness is None:
         return "–"
     sign = {"at_least": "≥ ", "at_most": "≤ "}.get(closeness.bound, "")
+    if not 1.0 / MOST_TIMES <= closeness.times <= MOST_TIMES:
+        sign = ""  # said with the limit
     return f"{sign}{number_of_times(closeness.times)} ×"
 
 
 def number_of_times(times: float) -> str:
-    """A ratio with two decimals below 1, one below 100, and none above."""
-    return f"{times:.{2 if times < 0.995 else (1 if times < 99.5 else 0)}f}"
+    """A ratio with two decimals below 1, one below 100, none above, and a limit beyond 1000."""
+    return limited_factor(times, f".{2 if times < 0.995 else (1 if times < 99.5 else 0)}f")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..comparison.beyond_noise import is_noise, times_words, told_share
 from ..criteria import NOISY, SUREST
 from ..listing import listed
-from ..quantities import quantity
+from ..quantities import MOST_TIMES, limited_factor, quantity
 
 if TYPE_CHECKING:
     from ..comparison.running_comparison import SignalError
@@ -25,6 +25,8 @@ NO_RUNNER_UP = "no close runner-up"
 YOURS = "Your model"
 REFIT = "constants refitted"
 REFIT_IS = "the constants of the given model refitted, no effect added"
+FAR_OFF = "its start values are far off"
+"""Said in place of an error that is only that of a draft."""
 _NOTHING = 0.0005  # relative change; a smaller one is not shown
 _MANY_TIMES = 3.0  # from which on a change is told as a factor
 _WHOLE = 0.02  # cycles per turn; an order this near to a whole number counts as whole
@@ -113,8 +115,15 @@ def refit_sentence(unseen: Unseen | UnseenErrors, model: str = YOURS) -> str:
     before, after = quantity(unseen.given, unseen.unit), quantity(unseen.rmse[0], unseen.unit)
     whose = f"{model[:1].lower()}{model[1:]}" if model == YOURS else model
     error = f"the error of the {unseen.signal.replace('_', ' ')}"
+    if unseen.given > MOST_TIMES * unseen.rmse[0]:
+        return f"Fitting the constants of {whose} alone brings {error} to {after}; {FAR_OFF} (over 1000 times that)."
     does = f"leaves {error} at {after}" if before == after else f"changes {error} from {before} to {after}"
     return f"Fitting the constants of {whose} alone {does}."
+
+
+def draft_words(given: float, refitted: float, unit: str) -> str:
+    """The error of a model as it was given; if that is over 1000 times the refitted one, only that it is a draft's."""
+    return "of start values" if given > MOST_TIMES * refitted else quantity(given, unit)
 
 
 def fit_sentences(
@@ -299,6 +308,16 @@ def groups_sentence(groups: Sequence[Sequence[str]]) -> str:
     return f"These recordings cannot tell apart: {apart}."
 
 
+def input_words(source: str, signals: Iterable[str], motion: str = "rotary") -> str:
+    """What drives a twin: of a machine whose torque or force was recorded (one of the ``signals``), that.
+
+    Inside, it is a current of one ampere per newton metre, and the input is called ``current``.
+    """
+    if source != "current" or "motor_torque" not in signals:
+        return source
+    return "force" if motion == "linear" else "torque"
+
+
 def why_step(step: Step) -> str:
     """The runner-up of an effect that was added, or the reason why one was dropped."""
     return _runner_up(step) if step.action == "add" else step.reason
@@ -321,13 +340,16 @@ def _runner_up(step: Step) -> str:
 
 
 def change_words(held: Mapping[str, Any]) -> str:
-    """By how much a refitted constant moved: ``+0.4 %``, or ``× 131`` from a start value; empty if it was zero."""
+    """By how much a refitted constant moved: ``+0.4 %``; from a start value ``× 131`` or ``× over 1000``.
+
+    Empty if it was zero.
+    """
     if not held["nominal"]:
         return ""
     ratio = held["value"] / held["nominal"]
     if _MANY_TIMES >= ratio >= 1.0 / _MANY_TIMES or ratio <= 0.0:
         return f"{100.0 * (ratio - 1.0):+.1f} %"
-    return f"× {ratio:.0f}" if ratio >= 100.0 else f"× {ratio:.3g}"
+    return f"× {limited_factor(ratio, '.0f' if ratio >= 100.0 else '.3g')}"
 
 
 def has_moved(held: Mapping[str, Any]) -> bool:

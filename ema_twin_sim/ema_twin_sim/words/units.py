@@ -16,9 +16,15 @@ if TYPE_CHECKING:
     from ..campaign.unit_health import JudgedTest, UnitHealth
     from ..campaign.units import Unit
 
-LAST_ERROR = "last error / noise"
+LAST_ERROR = "error left / noise"
 """Heading of the largest error of a unit's last result, in times the sensors' noise."""
-RESULT_HEAD = ("recording", "recorded", "task", "verdict", "missing", "error / noise", "reason")
+LAST_ERROR_IS = (
+    f"{LAST_ERROR.capitalize()}: the largest error of a signal in the last recording that was judged, in times the "
+    "sensors' noise: what is left once the missing effects are added and the numbers refitted (after campaign --do "
+    "compare, the error of the model as it is)."
+)
+"""Explains that column: a unit that lacks an effect may have no more error left than a healthy one."""
+RESULT_HEAD = ("recording", "recorded", "task", "verdict", "missing", "error left / noise", "reason")
 """Headings of a unit's results; the error is in times the sensors' noise."""
 TEST_HEAD = ("test", "deviating", "distance / limit", "fault family", "what changed")
 """Headings of a unit's tests, compared with its healthy ones."""

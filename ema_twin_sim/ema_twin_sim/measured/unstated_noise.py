@@ -1,0 +1,79 @@
+"""Noise of the sensors from the recordings, for a model that states none.
+
+A model without ``sensors`` has perfect ones: any error would exceed their noise of zero, and effects would be looked
+for in noise. The draft of a new machine gets its noise in the same way.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ema_bench_replay.recording import Recording, spread
+
+from ..model import Model
+from ..model.constants import CONSTANTS
+from ..model.matching import BY_TORQUE, matched
+from ..model.model import ConstantValue
+from ..model.model_file import ABSENT
+from ..quantities import quantity
+from ..reading_noise import noise_at_points, polled_noise
+
+_OVER = ("motor_position", "speed", "load_torque")  # what a torque depends on at an operating point
+_SOURCE = "third differences of the recordings"
+
+
+def with_noise_of(recordings: Sequence[Recording], model: Model) -> tuple[Model, str]:
+    """The model with the noise of the recordings, and a sentence on it; unchanged if the model states its current's.
+
+    Each sensor without a constant in the model's file gets one: current and speed their white noise, an encoder steps
+    that make as much noise as its position has. Raises InputError if recordings and model do not belong together.
+    """
+    if model.constants["sensors.current_noise"].source != ABSENT:
+        return model, ""
+    found = [matched(part, model) for part in spread(recordings)]
+    constants, told = dict(model.constants), []
+    for name in ("current", "speed", "motor_position", "output_position"):
+        side = name.removesuffix("_position")
+        path = f"sensors.{name}_noise" if side == name else f"sensors.{side}_encoder_counts"
+        noise = _noise(found, name)
+        if constants[path].source != ABSENT or not noise > 0.0:
+            continue
+        value, unit = noise, CONSTANTS[path].unit
+        if side != name:
+            value, unit = model.turn / (math.sqrt(12.0) * noise), "rad"
+        if not CONSTANTS[path].lower <= value <= CONSTANTS[path].upper:
+            continue
+        constants[path] = ConstantValue(value, 0.0 if side != name else 0.05, _SOURCE)
+        said, signal = noise, name.replace("_", " ")
+        if name == "current" and any(BY_TORQUE in recording.metadata for recording in found):
+            said, unit, signal = noise * model.value("machine.torque_constant"), "N m", "torque"
+        if model.motion == "linear":
+            unit, signal = unit.replace("N m", "N").replace("rad", "m"), signal.replace("torque", "force")
+        told.append(f"{signal} {quantity(said, unit)}")
+    if not told:
+        return model, ""
+    return replace(model, constants=constants), (
+        f"model {model.name} states no noise of its sensors (`sensors:` in its file), so that of the recordings is "
+        f"taken: {', '.join(told)}"
+    )
+
+
+def _noise(recordings: Sequence[Recording], name: str) -> float:
+    """The noise of a signal's readings, pooled over the recordings; zero if none has it."""
+    each = [_reading(recording, name) for recording in recordings if recording.has(name)]
+    return math.sqrt(sum(noise**2 for noise in each) / len(each)) if each else 0.0
+
+
+def _reading(recording: Recording, name: str) -> float:
+    values = recording.signals[name]
+    if not recording.of_points:
+        return polled_noise(values[np.isfinite(values)])
+    if name != "current":
+        return 0.0  # each point has a motion of its own
+    over = [recording.signals[other] for other in _OVER if recording.has(other)]
+    whole = np.isfinite([values, *over]).all(axis=0)
+    return noise_at_points(values[whole], [other[whole] for other in over])

@@ -1,0 +1,72 @@
+"""A model that states no noise of its sensors gets that of the recordings, and says so."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.recording import Recording
+from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.measured.unstated_noise import with_noise_of
+from ema_twin_sim.model import load_model
+from tests.command_line import done
+
+NOISE, STEP = 50.0, 1e-4
+RNG = np.random.default_rng(5)
+TIME = np.arange(4000) * 1e-2
+ANGLE = np.sin(0.4 * TIME) + 0.2 * np.sin(1.3 * TIME)
+SPEED = np.gradient(ANGLE, TIME)
+TORQUE = 42e3 * np.gradient(SPEED, TIME) + 6e3 * np.sign(SPEED)
+
+
+def hoist(folder, sensors=""):
+    place = folder / "hoist.yaml"
+    place.write_text(
+        "version: 1\nmachine:\n  name: hoist\n  inertia: {value: 42000, unit: kg m^2, tolerance: 0.05}\n"
+        f'  gear_ratio: {{value: 1, unit: "1", tolerance: 0.0}}\ntransmission: {{kind: rigid}}\n{sensors}'
+    )
+    return place
+
+
+def recorded(drive):
+    signals = {
+        "motor_position": ANGLE + RNG.normal(0.0, STEP, len(TIME)),
+        "speed": SPEED + RNG.normal(0.0, 2e-4, len(TIME)),
+        drive: TORQUE + RNG.normal(0.0, NOISE, len(TIME)),
+    }
+    return Recording("run", np.arange(len(TIME)) * 10_000_000, signals)
+
+
+@pytest.mark.parametrize(("drive", "said"), [("motor_torque", "torque "), ("current", "current ")])
+def test_the_noise_of_the_recordings_is_taken_where_none_is_stated(tmp_path, drive, said):
+    run, model = recorded(drive), load_model(hoist(tmp_path))
+    found, told = with_noise_of([run], model)
+    assert found.value("sensors.current_noise") == pytest.approx(NOISE, rel=0.1)
+    assert found.value("sensors.speed_noise") == pytest.approx(2e-4, rel=0.1)
+    assert found.turn / found.value("sensors.motor_encoder_counts") == pytest.approx(np.sqrt(12.0) * STEP, rel=0.1)
+    assert f"taken: {said}" in told and "`sensors:`" in told and " 0 " not in told
+    assert compare([run], model).overall["unexplained_torque"]["noise_floor"] == 0.0
+    assert compare([run], found).overall["unexplained_torque"]["noise_floor"] > 0.0
+
+
+def test_a_stated_noise_is_kept(tmp_path):
+    model = load_model(hoist(tmp_path, "sensors: {current_noise: {value: 3, unit: A}}\n"))
+    assert with_noise_of([recorded("current")], model) == (model, "")
+
+
+def test_signals_without_noise_change_nothing(tmp_path):
+    run = recorded("current")
+    smooth = replace(run, signals={name: np.zeros(len(TIME)) for name in run.signals})
+    model = load_model(hoist(tmp_path))
+    assert with_noise_of([smooth], model) == (model, "")
+
+
+def test_compare_prints_no_noise_of_zero(tmp_path):
+    run = recorded("current")
+    rows = zip(TIME, *run.signals.values(), strict=True)
+    lines = [",".join(f"{value:.9g}" for value in row) for row in rows]
+    names = [f"{name} [{unit}]" for name, unit in zip(run.signals, ("rad", "rad/s", "A"), strict=True)]
+    (tmp_path / "run.csv").write_text("\n".join([",".join(["time [s]", *names]), *lines]) + "\n")
+    done("init", tmp_path / "run.csv", "-o", tmp_path / "m")
+    found = done("compare", tmp_path / "run.csv", "--map", tmp_path / "m_map.yaml", "--model", hoist(tmp_path))
+    assert "states no noise of its sensors" in found.stderr and "0 N m" not in found.stdout.replace(".0 N m", "")
