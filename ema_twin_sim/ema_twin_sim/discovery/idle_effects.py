@@ -12,9 +12,7 @@ from .search.trace import BEATEN, SURER, Search, new_names
 from .unseen import Unseen
 
 
-def idle_effects(
-    found: Search, unseen: Unseen, kept: Collection[frozenset[str]] = ()
-) -> tuple[tuple[str, ...], bool]:
+def idle_effects(found: Search, unseen: Unseen, kept: Collection[frozenset[str]] = ()) -> tuple[tuple[str, ...], bool]:
     """Effects at the end of the search that simulation of held-out recordings does not support.
 
     * Backlash or compliance that the encoders suggest but that removes little of the error there.
