@@ -164,7 +164,7 @@ def test_play_behind_a_late_encoder_is_told_apart_from_it(tmp_path):
 def test_a_carriage_has_play_too(tmp_path):
     time = np.arange(SAMPLES) * 2e-3
     way = 0.15 * moved(time, 1.0)
-    columns = [time, *(np.round((x - x[0]) / 1e-6) * 1e-6 for x in (way, behind_play(way, 8e-5)))]
+    columns = [time, *(np.round((x - x[0]) / 1e-6) * 1e-6 for x in (way, behind_play(way, 1.6e-4)))]
     trace = tmp_path / "run.csv"
     head = "time [s],motor position [m],output position [m]"
     np.savetxt(trace, np.stack(columns, 1), "%.9g", ",", header=head, comments="")
@@ -172,7 +172,7 @@ def test_a_carriage_has_play_too(tmp_path):
     found = discover([load(trace, import_map=tmp_path / "machine_map.yaml")], load_model(tmp_path / "machine.yaml"))
     assert (found.verdict, found.added) == ("explained", ("backlash",))
     width = found.parameters["backlash"]["width"]
-    assert width["unit"] == "m" and width["value"] == pytest.approx(8e-5, rel=0.15)
+    assert width["unit"] == "m" and width["value"] == pytest.approx(1.6e-4, rel=0.15)
 
 
 @pytest.mark.slow

@@ -33,6 +33,16 @@ def test_a_machine_that_turns_slowly_does_not_rest(stock, slower):
     assert left[-1] == pytest.approx(BEYOND, rel=1e-3)
 
 
+def test_the_inertia_of_a_draft_hides_nothing(stock):
+    """A millionth of the inertia, as a guess may be, does not make a shaft of 0.4 rad/s rest."""
+    draft = stock
+    for part in ("motor", "gearbox", "output"):
+        path = f"machine.{part}_inertia"
+        draft = draft.with_value(path, 1e-6 * stock.value(path))
+    left = simulate(draft, turning(stock, 0.4), "current").signals["unexplained_torque"]
+    assert left[-1] == pytest.approx(BEYOND, rel=1e-3)
+
+
 def test_a_shaft_that_hardly_moves_is_held(stock):
     left = simulate(stock, turning(stock, 0.01), "current").signals["unexplained_torque"]
     assert left[-1] == pytest.approx(0.0, abs=1e-12)

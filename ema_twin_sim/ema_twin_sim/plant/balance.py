@@ -35,6 +35,8 @@ STANDSTILL = 1.0 / 160.0
 
 That friction stops a shaft of this speed within a radian. On the Torino bench, where the share was set, it is 8 rad/s.
 """
+MOST_STANDSTILL = 0.05
+"""rad/s, its limit: the inertia of a draft may be guessed far too small, and every motion would count as standstill."""
 
 
 @njit(error_model="numpy")
@@ -204,7 +206,7 @@ def _unexplained(plant, state, effects, before, now, simulated_angle, interval, 
         state.driven_bristle, plant.bristle_stiffness * share, plant.bristle_damping * share, interval,
     )  # fmt: skip
     passed = passed + uneven + bent
-    standstill = STANDSTILL * math.sqrt(total_dry / (plant.motor_inertia + plant.output_inertia))
+    standstill = min(STANDSTILL * math.sqrt(total_dry / (plant.motor_inertia + plant.output_inertia)), MOST_STANDSTILL)
     unbalanced = unbalanced_torque(driving - passed, sharp, viscous, dry, break_away, standstill)
     return filtered_balance(state, unbalanced, speed, inertia, interval, has_speed, smoothing)
 
