@@ -7,8 +7,12 @@ from itertools import permutations
 
 import numpy as np
 
+from ema_bench_replay.recording import Recording
+
 from .criteria import CLEARLY_MORE
 
+DEPENDED_ON = ("motor_position", "speed", "load_torque")
+"""Signals that a drive's torque depends on at an operating point."""
 SEGMENT = 128  # samples whose spectrum is taken at once
 FEWEST_SEGMENTS = 8  # with half of each shared with the next: fewer have no median
 STRETCH = 0.25  # of the frequencies, over which a spectrum is averaged
@@ -73,3 +77,11 @@ def noise_at_points(values: np.ndarray, over: Sequence[np.ndarray]) -> float:
     orders = [np.arange(len(values)), *(np.lexsort(keys) for keys in permutations(over))]
     shown = [noise for order in orders if (noise := reading_noise(values[order])) > 0.0]
     return min(shown, default=0.0)
+
+
+def noise_of_points(recording: Recording, name: str) -> float:
+    """The noise of a signal at a recording's operating points, beside all that was recorded of what it depends on."""
+    values = recording.signals[name]
+    over = [recording.signals[other] for other in DEPENDED_ON if recording.has(other)]
+    whole = np.isfinite([values, *over]).all(axis=0)
+    return noise_at_points(values[whole], [other[whole] for other in over])

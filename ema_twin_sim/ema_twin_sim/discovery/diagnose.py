@@ -31,6 +31,7 @@ from ..plant.measured_motion import TIME
 from ..simulation.simulate import choose_input, simulate
 from .criteria.worth import complexity_penalty, has_effect_size, noise_per_unit, penalised_gain
 from .discover import Discovery, discover
+from .search.adding import added_and_removed
 from .search.rivals import substitutes
 from .search.trace import Round, Trial, new_names
 
@@ -200,13 +201,11 @@ def _contests(problem: EquationErrorProblem, found: Discovery) -> list[list[_Con
     return list(contests.values())
 
 
-def _dropped(found: Discovery) -> set[str]:
+def _dropped(found: Discovery) -> frozenset[str]:
     """The effects that the search added and removed again: it had reasons beyond their gain."""
-    return {
-        turn.before.hypothesis.added[name].effect
-        for turn in found.search.rounds
-        for name in {*turn.before.hypothesis.added} - {*turn.after.hypothesis.added}
-    } | {turn.effect_of(name) for turn in found.search.rounds for name in turn.removed}
+    ends = [(turn.before.hypothesis.added, turn.after.hypothesis.added) for turn in found.search.rounds]
+    gone = {before[name].effect for before, after in ends for name in before if name not in after}
+    return added_and_removed(found.search.rounds) | gone
 
 
 def _added(turn: Round, trial: Trial) -> list[_Contender]:

@@ -191,10 +191,10 @@ def discover(
         shown_over = tuple(dict.fromkeys(shows_over(found, name) for name in idle))
         fewer = less(found, idle, "it hardly improves the simulated loop")
         beside = judge(fewer)
-        less_error = beside.moving[-1]
+        error_without = beside.moving[-1]
         if not fewer.fit.hypothesis.added:  # the given constants may do better than those fitted without effects
-            less_error = min(less_error, beside.moving[0])
-        if model.is_open and not gearbox and not less_error < unseen.moving[-1]:
+            error_without = min(error_without, beside.moving[0])
+        if model.is_open and not gearbox and not error_without < unseen.moving[-1]:
             kept.add(frozenset(idle))  # the other effects need it, whatever its own step did
             idle, gearbox = idle_effects(found, unseen, kept)
             continue

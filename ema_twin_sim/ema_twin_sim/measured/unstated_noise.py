@@ -20,9 +20,8 @@ from ..model.matching import BY_TORQUE, matched
 from ..model.model import ConstantValue
 from ..model.model_file import ABSENT
 from ..quantities import quantity
-from ..reading_noise import noise_at_points, polled_noise
+from ..reading_noise import noise_of_points, polled_noise
 
-_OVER = ("motor_position", "speed", "load_torque")  # what a torque depends on at an operating point
 _SOURCE = "third differences of the recordings"
 
 
@@ -72,8 +71,4 @@ def _reading(recording: Recording, name: str) -> float:
     values = recording.signals[name]
     if not recording.of_points:
         return polled_noise(values[np.isfinite(values)])
-    if name != "current":
-        return 0.0  # each point has a motion of its own
-    over = [recording.signals[other] for other in _OVER if recording.has(other)]
-    whole = np.isfinite([values, *over]).all(axis=0)
-    return noise_at_points(values[whole], [other[whole] for other in over])
+    return noise_of_points(recording, name) if name == "current" else 0.0  # each point has a motion of its own

@@ -18,7 +18,7 @@ from ..model.check_comment import ASSUMED, CHECK, REMEDIES, check_comment
 from ..model.constants import CONSTANTS
 from ..model.model_file import TORQUE_CONSTANT
 from ..model.roles import DRY_FRICTION, VISCOUS_FRICTION
-from ..reading_noise import beside_fast_signal, drowns, noise_at_points, polled_noise, reading_noise
+from ..reading_noise import beside_fast_signal, drowns, noise_of_points, polled_noise, reading_noise
 from ..simulation.behind_motor import of_encoders_alone
 from .drive_gains import drive_gains
 from .given import Given
@@ -42,8 +42,6 @@ SMALLEST_STEP = "smallest step of the recording"
 LAST_DIGIT = "last digit of the recording"  # begins the source of a step that shows the text and no encoder
 ONE_AMPERE_IS = "one ampere means one"  # ends the source of a noise that is the torque's, followed by its unit
 AS_FINE_AS_NOISE = "as fine as the noise of the recording"
-DEPENDED_ON = ("motor_position", "speed", "load_torque")
-"""What a drive's torque depends on at an operating point."""
 _FEWEST = 10
 _BEHIND = 0.2  # share of inertia and friction that is behind the gearbox, as a start value
 
@@ -343,12 +341,9 @@ class _Noise(NamedTuple):
 
 def _noise(recording: Recording, signal: str) -> _Noise:
     """The noise of a signal's readings."""
-    values = recording.signals[signal]
     if recording.of_points:
-        over = [recording.signals[name] for name in DEPENDED_ON if recording.has(name)]
-        whole = np.isfinite([values, *over]).all(axis=0)
-        return _Noise(noise_at_points(values[whole], [other[whole] for other in over]))
-    values = _finite(values)
+        return _Noise(noise_of_points(recording, signal))
+    values = _finite(recording.signals[signal])
     noise = polled_noise(values)
     beside = beside_fast_signal(noise, values)
     if beside < noise:

@@ -136,14 +136,15 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     gained = _gained(bare, f, scale)
     # it exists on every machine, even if its law fits poorly while it warms up or wanders
     lacked = is_lacked(f.hypothesis, effect.id)
+    as_any = gained >= (MOSTLY if lacked else NEARLY_ALL) * (_gained(bare, any_shape, scale) - chance)
+    if as_any and (lacked or over in ("order", "load") or problem.weighting.wander is not None):
+        return True
     both = fit_with_basis(beside, f, best)
     further = _gained(f, both, scale) - chance  # what any shape explains of that which the effect leaves
     left = (f.misfits[0] - problem.size) / scale
-    if gained >= (MOSTLY if lacked else NEARLY_ALL) * (_gained(bare, any_shape, scale) - chance):
-        if lacked or over in ("order", "load") or further <= DEPENDS or problem.weighting.wander is not None:
-            return True
-        # what is left has the effect's own quantity, and nothing else, to depend on: then the shape is wrong
-        return not follows_laws(problem, f) and further < MOSTLY * left
+    if as_any:
+        # if what is left has the effect's own quantity, and nothing else, to depend on, the shape is wrong
+        return further <= DEPENDS or (not follows_laws(problem, f) and further < MOSTLY * left)
     # what is unknown depends on something else if this quantity explains hardly any of what the effect leaves; the
     # basis of one order says nothing about another
     if over != "order" and further <= (1.0 - NEARLY_ALL) * left:
