@@ -11,6 +11,7 @@ from ema_twin_sim.discovery.diagnose import weigh
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.search import rivals
 from ema_twin_sim.discovery.search.search import search
+from ema_twin_sim.discovery.search.trace import Round, Search
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.effects.effect import QUANTITIES
 from ema_twin_sim.identification.equation import EquationErrorProblem
@@ -171,3 +172,16 @@ def test_constants_that_were_put_back_do_not_make_an_effect_improbable(scale, st
     ranking = weigh(found).ranking
     assert {entry.effect for entry in ranking if entry.found} == {*found.added} == {"torque_constant_error"}
     assert ranking[0].probability > 0.9
+
+
+def test_what_the_search_dropped_is_not_probable(stock):
+    """Whatever it gains: the search had other reasons, and says that nothing is missing."""
+    found = discover(record(stock.with_effect("stribeck_friction", {"torque": 0.06, "speed": 2.0}), RUNS), stock)
+    (name,) = found.search.fit.hypothesis.added
+    bare, beside = found.search.rounds[0].before, found.search.fit
+    tried = tuple(trial for trial in found.search.rounds[0].tried if trial.names == (name,))
+    came = Round(bare, tried, beside, (name,))
+    dropped = Search(bare, (came, Round(beside, (), bare, (), (name,))))
+    nothing = weigh(replace(found, verdict="none", added=(), search=dropped))
+    assert {entry.effect: entry.probability for entry in nothing.ranking}["stribeck_friction"] == 0.0
+    assert nothing.none > 0.9
