@@ -140,7 +140,8 @@ def weigh(found: Discovery) -> Diagnosis:
     problem = found.equation
     tried = [contender for turn in found.search.rounds for trial in turn.tried for contender in _added(turn, trial)]
     contests = _contests(problem, found)
-    held = {cause.key: penalised_gain(cause.before, cause.after) for cause, *_ in contests}
+    causes = [cause for cause, *_ in contests]
+    held = {cause.key: penalised_gain(cause.before, cause.after) for cause in causes}
     if not contests and found.verdict != "unknown":
         dropped = _dropped(found)
         contests = [[c for c in tried if len(_new(c)) == 1 and c.instance.effect not in dropped]]
@@ -160,7 +161,7 @@ def weigh(found: Discovery) -> Diagnosis:
     present = {key: SUREST * (1.0 - chance) for key, chance in absent.items()}
     contenders = {contender.key: contender for contender in reversed([c for each in contests for c in each] + tried)}
     # an effect that the search holds is reported with the numbers of the final model
-    contenders |= {cause.key: replace(cause, after=found.search.fit) for cause, *_ in contests if cause.key in held}
+    contenders |= {cause.key: replace(cause, after=found.search.fit) for cause in causes}
     likeliest = sorted(present, key=lambda key: (-present[key], -held.get(key, 0.0)))
     order = [key for place, key in enumerate(likeliest) if place < RANKED or key in held]
     removed = _removed(problem, found, [contenders[key] for key in order[:SIMULATED]])
