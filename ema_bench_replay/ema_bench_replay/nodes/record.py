@@ -23,6 +23,7 @@ from . import diagnostics
 from .parameters import Declaration, declare, refuse_unknown
 from .published_numbers import PublishedNumbers
 from .spin import run, steady_timer
+from .whole_or_none import whole_or_none
 
 PARAMETERS = (
     Declaration("output", "", "folder to make, with the MCAP and its metadata.yaml"),
@@ -45,6 +46,7 @@ _WATCH = 1.0
 """s between two checks whether the files still exist."""
 
 
+@whole_or_none
 class RecordNode(Node):
     """Records every message of the topics in serialised form.
 

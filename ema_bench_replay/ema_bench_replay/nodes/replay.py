@@ -28,6 +28,7 @@ from .played_run import PlayedRun
 from .reached_rate import ReachedRate, rate_in_words
 from .sample_codec import write_state
 from .spin import run, steady_timer
+from .whole_or_none import whole_or_none
 
 PARAMETERS = (
     Declaration("recording", "", "recording to play: an MCAP, the folder that import wrote, or a CSV trace"),
@@ -57,6 +58,7 @@ _LONGEST_END = 60 * 10**9
 """Longest wait [ns] at the end: Fast DDS resends 256 samples every 3 s to a reader that is behind."""
 
 
+@whole_or_none
 class ReplayNode(Node):
     """Plays a recording.
 

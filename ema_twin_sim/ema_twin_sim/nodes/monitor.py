@@ -21,6 +21,7 @@ from ema_bench_replay.nodes.messages import header, signals_message
 from ema_bench_replay.nodes.parameters import Declaration, check_all, declare, refuse_unknown
 from ema_bench_replay.nodes.sample_codec import State, write_residual
 from ema_bench_replay.nodes.spin import run, steady_timer
+from ema_bench_replay.nodes.whole_or_none import whole_or_none
 from ema_twin_msgs.msg import EmaState, Health, Residual, Run
 
 from ..comparison.running_comparison import DRIVEN, UNITS, RunningComparison
@@ -73,6 +74,7 @@ PairListener = Callable[[int, Mapping[str, float], Mapping[str, float], Mapping[
 """Called with a pair's stamp [ns since the epoch], bench signals, twin signals and residuals (SI)."""
 
 
+@whole_or_none
 class MonitorNode(Node):
     """Publishes the residual of every pair of samples, and health ten times a second.
 
@@ -123,6 +125,14 @@ class MonitorNode(Node):
         self._incoming = {side: Incoming(f"{side}/state") for side in ("bench", "twin")}
         self._mixing = {"bench/state": Mixing(self.pairing.bench), "twin/state": Mixing(self.pairing.twin)}
 
+        self.unit_watch: UnitWatch | None = None
+        self._judged_after, self._judged_at = round(given["judged_after"] * 1e9), 0
+        if given["results"]:
+            from ..live.unit_watch import UnitWatch  # loads libraries that are needed only here
+
+            self.unit_watch = UnitWatch.opened(Path(given["results"]), given["unit"], given["healthy"])
+            diagnostics.Diagnostics(self, "health of the unit", self.unit_watch.unit, self._report_unit)
+
         self._residual_publisher = self.create_publisher(Residual, "monitor/residual", qos.RESIDUAL)
         self._health_publisher = self.create_publisher(Health, "monitor/health", qos.LATEST)
         self._diagnostics = diagnostics.Diagnostics(self, "twin against bench", self.model.name, self._report)
@@ -140,13 +150,6 @@ class MonitorNode(Node):
         own = self.get_namespace().rstrip("/")
         self._twin_name = given["twin"] if given["twin"].startswith("/") else f"{own}/{given['twin']}"
         self.create_subscription(ParameterEvent, "/parameter_events", self._on_change, qos_profile_parameter_events)
-        self.unit_watch: UnitWatch | None = None
-        self._judged_after, self._judged_at = round(given["judged_after"] * 1e9), 0
-        if given["results"]:
-            from ..live.unit_watch import UnitWatch  # loads libraries that are needed only here
-
-            self.unit_watch = UnitWatch.opened(Path(given["results"]), given["unit"], given["healthy"])
-            diagnostics.Diagnostics(self, "health of the unit", self.unit_watch.unit, self._report_unit)
         steady_timer(self, _HEALTH_PERIOD, self._publish_health)
 
     @property

@@ -14,6 +14,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.nodes import diagnostics
 from ema_bench_replay.nodes.parameters import Declaration, declare, refuse_unknown
 from ema_bench_replay.nodes.spin import run
+from ema_bench_replay.nodes.whole_or_none import whole_or_none
 
 from ..live.live_model import live_model
 from ..model import Model
@@ -41,6 +42,7 @@ PARAMETERS = (
 )
 
 
+@whole_or_none
 class TwinNode(Node):
     """Publishes `twin/state`: answers to the bench's samples, or its own."""
 
