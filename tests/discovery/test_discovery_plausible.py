@@ -175,13 +175,15 @@ def test_constants_that_were_put_back_do_not_make_an_effect_improbable(scale, st
 
 
 def test_what_the_search_dropped_is_not_probable(stock):
-    """Whatever it gains: the search had other reasons, and says that nothing is missing."""
+    """Whatever it gains, and whatever gains nearly as much: the search had other reasons to say: nothing."""
     found = discover(record(stock.with_effect("stribeck_friction", {"torque": 0.06, "speed": 2.0}), RUNS), stock)
     (name,) = found.search.fit.hypothesis.added
     bare, beside = found.search.rounds[0].before, found.search.fit
-    tried = tuple(trial for trial in found.search.rounds[0].tried if trial.names == (name,))
+    tried = found.search.rounds[0].tried
+    assert sum(trial.gain > 0.0 for trial in tried) > 1
     came = Round(bare, tried, beside, (name,))
     dropped = Search(bare, (came, Round(beside, (), bare, (), (name,))))
     nothing = weigh(replace(found, verdict="none", added=(), search=dropped))
     assert {entry.effect: entry.probability for entry in nothing.ranking}["stribeck_friction"] == 0.0
+    assert max(entry.probability for entry in nothing.ranking) < 0.1
     assert nothing.none > 0.9

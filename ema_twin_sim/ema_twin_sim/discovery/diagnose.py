@@ -31,7 +31,6 @@ from ..plant.measured_motion import TIME
 from ..simulation.simulate import choose_input, simulate
 from .criteria.worth import complexity_penalty, has_effect_size, noise_per_unit, penalised_gain
 from .discover import Discovery, discover
-from .search.adding import added_and_removed
 from .search.rivals import substitutes
 from .search.trace import Round, Trial, new_names
 
@@ -143,8 +142,8 @@ def weigh(found: Discovery) -> Diagnosis:
     causes = [cause for cause, *_ in contests]
     held = {cause.key: penalised_gain(cause.before, cause.after) for cause in causes}
     if not contests and found.verdict != "unknown":
-        dropped = _dropped(found)
-        contests = [[c for c in tried if len(_new(c)) == 1 and c.instance.effect not in dropped]]
+        # what gains and is not held was dropped, itself or as a rival: the search had reasons beyond its gain
+        contests = [[c for c in tried if len(_new(c)) == 1 and penalised_gain(c.before, c.after) <= 0.0]]
     absent: dict[Key, float] = {contender.key: 1.0 for contender in tried} | dict.fromkeys(held, 1.0)
     nothing = float(found.verdict != "unknown")
     for contest in contests:
@@ -202,13 +201,6 @@ def _contests(problem: EquationErrorProblem, found: Discovery) -> list[list[_Con
     return list(contests.values())
 
 
-def _dropped(found: Discovery) -> frozenset[str]:
-    """The effects that the search added and removed again: it had reasons beyond their gain."""
-    ends = [(turn.before.hypothesis.added, turn.after.hypothesis.added) for turn in found.search.rounds]
-    gone = {before[name].effect for before, after in ends for name in before if name not in after}
-    return added_and_removed(found.search.rounds) | gone
-
-
 def _added(turn: Round, trial: Trial) -> list[_Contender]:
     """The effects that a trial adds; empty if it adds a generic basis."""
     return [_Contender(n, turn.before, trial.fit) for n in trial.names if n in trial.fit.hypothesis.added]
@@ -240,15 +232,16 @@ def _chances(
 
 
 def _blocks(problem: EquationErrorProblem) -> np.ndarray:
-    """Block index (m,) in time of each row; torque and encoder rows at the same time share a block."""
+    """Block index (m,) of each row: a stretch of time, for torque and encoder alike, or an operating point."""
     found = np.zeros(problem.rows, int)
     first = 0
     for o, torque, encoder in zip(problem.observations, problem.torque_parts, problem.encoder_parts, strict=True):
         time = o.motion[:, TIME] - o.motion[0, TIME]
-        found[torque] = first + (time[o.rows] / BLOCK).astype(int)
-        found[encoder] = first + (time[o.encoder_rows] / BLOCK).astype(int)
-        first += int(time[-1] / BLOCK) + 1
-    return found
+        blocks = np.arange(len(time)) if o.of_points else (time / BLOCK).astype(int)
+        found[torque] = first + blocks[o.rows]
+        found[encoder] = first + blocks[o.encoder_rows]
+        first += int(blocks[-1]) + 1
+    return np.unique(found, return_inverse=True)[1]
 
 
 def _ranked(
