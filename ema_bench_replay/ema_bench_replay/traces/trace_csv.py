@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Callable
 from dataclasses import asdict
 from difflib import get_close_matches
@@ -11,34 +10,23 @@ from pathlib import Path
 
 import numpy as np
 
-from ema_bench_replay.errors import InputError, TimeGoesBackError
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.long_columns import (
     by_pieces,
-    differences,
-    extremes,
     mean_of,
-    median,
-    overlapping,
     pieces,
     places_where,
     shifted,
-    steps_where,
     times,
 )
 from ema_bench_replay.recording import AT, KIND, LACKED, MOTION, POINTS, Recording
 from ema_bench_replay.traces.counters import unwrap_counts
 from ema_bench_replay.traces.header_units import contradicted_unit
-from ema_bench_replay.traces.import_map import TIME_UNITS, Column, ImportMap, SignalMap
-from ema_bench_replay.traces.run_columns import how_to_read_runs, run_columns
+from ema_bench_replay.traces.import_map import Column, ImportMap, SignalMap
+from ema_bench_replay.traces.trace_clock import Clock, read_clock
 from ema_bench_replay.traces.trace_table import TraceTable, read_table
 from ema_bench_replay.traces.wrapped_angle import counted_on
 
-# A step differs from the usual one if it is off by more than this share and by more than the time column resolves.
-_UNEQUAL = 0.01
-# Share of rows that may repeat the time of the row before: a clock too coarse for its sampling. More means it is stuck.
-_REPEATED = 0.1
-# Share of rows at the end that may all tell the same time: a clock that stopped before the log did.
-_STOPPED = 0.5
 # Similarity of two names (difflib's ratio) from which one may be a misspelling of the other.
 _NEARLY_THE_SAME = 0.85
 # Signals without which a twin is compared with less than its recording was made for.
@@ -76,7 +64,10 @@ class _Trace:
         self.origins: dict[str, float] = {}  # position: rad where it is zero
 
     def recording(self) -> Recording:
-        time_place, stamps, time_origin, time_unit = self._time()
+        clock = read_clock(self.table, self.map)
+        self.table = clock.table
+        for finding in clock.findings:
+            self._warn(finding)
         maps = {signal.signal: signal for signal in self.map.signals}
         for signal in self.map.signals:
             place = self._place(signal)
@@ -89,7 +80,7 @@ class _Trace:
                 f"{self.table.path}: header: none of the columns of the map {self.map.name!r} ({known}) is there; "
                 f"name the right map with --map, or let one be written: ema-twin init {self.table.path} -o NAME"
             )
-        time = times(stamps, 1e-9)
+        time = times(clock.stamps, 1e-9)
         signals = {name: self._values(maps[name], time) for name in self.columns}
         if "output_command" in signals:
             # Relative to the output position's zero if both have the same scale, otherwise to its own start.
@@ -100,95 +91,13 @@ class _Trace:
             self.origins["output_command"] = float(zero)
         return Recording(
             name=self.table.path.stem,
-            stamps=stamps,
+            stamps=clock.stamps,
             signals=signals,
             motor_angle_origin=self.origins.get("motor_position", np.nan),
             output_angle_origin=self.origins.get("output_position", np.nan),
-            metadata=self._metadata(time_place, time_origin, time_unit),
+            metadata=self._metadata(clock),
             warnings=tuple(self.warnings),
         )
-
-    def _time(self) -> tuple[int | None, np.ndarray, float, str]:
-        """Index of the time column, stamps in ns from 0, the column's value at the first sample, and its unit.
-
-        Operating points may have no time column: then they are one second apart.
-        """
-        table = self.table
-        if self.map.time is None:
-            return None, np.arange(len(table.columns[0]), dtype=np.int64) * int(TIME_UNITS["s"]), 0.0, "s"
-        places = self.map.time.find(table.header)
-        if not places:
-            shown = ", ".join(table.header)[:200]
-            raise InputError(
-                f"{table.path}: line {table.header_line}: no time column ({self.map.time.name}) among {shown!r}; "
-                "give the map of this machine with --map (init writes one), or export the trace with its time axis"
-            )
-        name = table.header[places[0]]
-        in_brackets = re.search(r"[\[(]\s*([^\])]+?)\s*[\])]", name)
-        unit = in_brackets[1] if in_brackets and in_brackets[1] in TIME_UNITS else self.map.time_unit
-        stamps = _stamps(table.columns[places[0]], unit)
-        back, repeats = _not_rising(stamps)
-        few, stopped = _left_out(repeats, len(stamps))
-        if few.size + stopped.size and not back.size:
-            if stopped.size:
-                last = stopped[0] - 1
-                self._warn(
-                    f"the clock stops in line {table.line(last)}, at {table.columns[places[0]][last]:.10g} {unit}: the "
-                    f"{stopped.size} rows below it, which tell the same time, are left out"
-                )
-            if few.size:
-                those = "rows" if few.size > 1 else "row"
-                tell = "tell" if few.size > 1 else "tells"
-                self._warn(
-                    f"{few.size} {those} (the first in line {table.line(few[0])}) {tell} the time of the row before: "
-                    "left out"
-                )
-            self.table = table = table.without(repeats)
-            stamps = _stamps(table.columns[places[0]], unit)
-            back, repeats = _not_rising(stamps)
-        values = table.columns[places[0]]
-        if back.size or repeats.size:
-            row = int(back[0] if back.size else repeats[0])
-            how, remedy = "goes back", f"cut the file there, it holds more than one run{self._how_to_read_runs()}"
-            if back.tolist() == [1]:
-                remedy = f"only the first row is late: remove line {table.line(0)}"
-            if not back.size:
-                how, remedy = "repeats", f"{repeats.size} of {len(values)} rows do: export it with more decimals"
-                if (stopped := _last_run(repeats, len(values))).size >= max(2.0, _STOPPED * len(values)):
-                    row = int(stopped[0])
-                    how, remedy = "stops", f"all {stopped.size} rows from here on tell the same: cut them off"
-            shown = f"{values[row]:.10g} {unit} after {values[row - 1]:.10g} {unit}"
-            said = f"{table.place(row)}: column {name!r}: time {how} ({shown}); {remedy}"
-            raise TimeGoesBackError(said, len(values)) if back.size else InputError(said)
-        if len(stamps) < 2:
-            raise InputError(f"{table.path}: has one row only; a recording needs at least two")
-        resolution = TIME_UNITS[unit] * 10.0 ** -table.decimals[places[0]]
-        if not self.map.of_points:
-            self._report_steps(stamps, resolution)
-        return places[0], stamps, float(values[0]), unit
-
-    def _how_to_read_runs(self) -> str:
-        """What else can be done with a file of several runs; empty if no column seems to number them."""
-        if self.map.run is not None:
-            return f"; ema-twin campaign reads each by itself, as the map has `run: {self.map.run.plain}`"
-        columns = run_columns(self.table.header)
-        return f"; or, {how_to_read_runs(columns[0])}" if columns else ""
-
-    def _report_steps(self, stamps: np.ndarray, resolution: float) -> None:
-        period = median(lambda: map(np.diff, overlapping(stamps)))
-        gaps = steps_where(lambda steps: steps > 1.5 * period, stamps)
-        if gaps.size:
-            lengths = stamps[gaps + 1] - stamps[gaps]
-            missing = int(np.rint(lengths / period - 1).sum())
-            longest = int(np.argmax(lengths))
-            self._warn(
-                f"{missing} samples are missing in {gaps.size} gap{'s' if gaps.size > 1 else ''}, the longest "
-                f"{lengths[longest] * 1e-6:g} ms from {stamps[gaps[longest]] * 1e-9:g} s on"
-            )
-        usual = by_pieces(lambda steps: steps[steps <= 1.5 * period], differences(stamps))
-        least, most = extremes(usual)
-        if max(period - least, most - period) > max(_UNEQUAL * period, 1.001 * resolution):
-            self._warn(f"time steps are unequal: {least * 1e-6:g} to {most * 1e-6:g} ms")
 
     def _place(self, signal: SignalMap) -> int | None:
         """Index of the signal's column in the table; None if there is none."""
@@ -311,17 +220,17 @@ class _Trace:
             self._warn(f"{name}: {finding.describe(time[finding.sample])}")
         return counts
 
-    def _metadata(self, time_place: int | None, time_origin: float, time_unit: str) -> dict[str, str]:
+    def _metadata(self, clock: Clock) -> dict[str, str]:
         signal_of = {place: name for name, place in reversed(self.columns.items())}
         columns = [
-            {"name": name, "signal": "time" if place == time_place else signal_of.get(place), "decimals": decimals}
+            {"name": name, "signal": "time" if place == clock.place else signal_of.get(place), "decimals": decimals}
             for place, (name, decimals) in enumerate(zip(self.table.header, self.table.decimals, strict=True))
         ]
         style = asdict(self.table.style)
         text = {
             "columns": columns,
-            "time_origin": time_origin,
-            "time_unit": time_unit,
+            "time_origin": clock.origin,
+            "time_unit": clock.unit,
             "origins": self.origins,
             "style": style,
         }
@@ -346,40 +255,6 @@ class _Trace:
 def _named(signal: SignalMap) -> str:
     """The columns from which a map reads a signal, in words."""
     return " or ".join(repr(column.plain) for column in signal.columns)
-
-
-def _stamps(time: np.ndarray, unit: str) -> np.ndarray:
-    """Stamps [ns] (n,), from 0 on, from a time column in that unit."""
-    first = time[0]
-    return by_pieces(lambda part: np.rint((part - first) * TIME_UNITS[unit]).astype(np.int64), time)
-
-
-def _not_rising(stamps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Indices of the samples (m,) whose stamps go back, and of those (k,) that repeat the previous stamp."""
-    return steps_where(lambda steps: steps < 0, stamps) + 1, steps_where(lambda steps: steps == 0, stamps) + 1
-
-
-def _left_out(repeats: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Of the samples (m,) that repeat the previous stamp: a few anywhere, and those after which the clock stopped.
-
-    Both are empty if more of ``count`` samples repeat than a good clock explains.
-    """
-    none = repeats[:0]
-    if repeats.size <= _REPEATED * count:
-        return repeats, none
-    stopped = _last_run(repeats, count)
-    few = repeats[: repeats.size - stopped.size]
-    if stopped.size >= _STOPPED * count or few.size > _REPEATED * (count - stopped.size):
-        return none, none
-    return few, stopped
-
-
-def _last_run(repeats: np.ndarray, count: int) -> np.ndarray:
-    """Those of the indices (m,) that follow each other up to the last of ``count`` samples."""
-    if not repeats.size or repeats[-1] != count - 1:
-        return repeats[:0]
-    breaks = np.flatnonzero(np.diff(repeats) != 1)
-    return repeats[int(breaks[-1]) + 1 if breaks.size else 0 :]
 
 
 def _slope(leader: np.ndarray, follower: np.ndarray) -> tuple[float, float]:
