@@ -1,5 +1,6 @@
 """Effects that a simulation of held-out recordings does not support, on searches and errors made by hand."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -75,3 +76,23 @@ def test_backlash_that_removes_little_is_idle_with_known_constants_too():
     for is_open in (True, False):
         assert idle_effects(searched("backlash", is_open=is_open), seen(20.0, 19.0)) == (("backlash",), True)
         assert idle_effects(searched("backlash", is_open=is_open), seen(20.0, 10.0)) == ((), False)
+
+
+@pytest.mark.parametrize(
+    ("each", "stays"),
+    [
+        ((15.0, 15.0, 16.0), False),  # each by less than half: the shape is another's
+        ((15.0, 3.0, 3.0), True),  # one after an impact, which nobody follows
+        ((15.0, 16.0, 3.0), False),
+        ((15.0, 3.0), True),  # as many as not
+        ((1.1, 1.1, 3.0), True),  # those without an excess tell nothing
+    ],
+)
+def test_backlash_that_leaves_more_than_it_removes_is_another_cause(each, stays):
+    """Play and a shaft that winds up look alike to slow encoders; the loop is shaken by each in its own way."""
+    begun = [1.2 if end < 2.0 else 20.0 for end in each]
+    recordings = tuple((f"run {k}", (before, after)) for k, (before, after) in enumerate(zip(begun, each, strict=True)))
+    loop = replace(seen(20.0, 15.0), signal="current", unit="A", recordings=recordings)
+    idle = idle_effects(searched("backlash", is_open=False), loop)
+    assert idle == (((), False) if stays else (("backlash",), True))
+    assert idle_effects(searched("backlash", is_open=False), replace(loop, moving=(20.0, 10.0))) == ((), False)

@@ -15,7 +15,8 @@ from .unseen import Unseen
 def idle_effects(found: Search, unseen: Unseen, kept: Collection[frozenset[str]] = ()) -> tuple[tuple[str, ...], bool]:
     """Effects at the end of the search that simulation of held-out recordings does not support.
 
-    * Backlash or compliance that the encoders suggest but that removes little of the error there.
+    * Backlash or compliance that the encoders suggest but that removes little of the error there. In a loop with known
+      constants it must remove more than it leaves: play and a shaft that winds up look alike to slow encoders.
     * A bristle that removes nothing there, since it acts only in the first moments of a motion.
     * With open constants: any effect on the torque that removes nothing there, or beside the noise adds to the error;
       and all that came after an error which was smaller than that of the end.
@@ -40,7 +41,8 @@ def idle_effects(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]
         removed = unseen.removed(first, len(unseen.moving) - 1)
         # A measured current drives no loop that would reach the teeth, and a hunting loop hides them: use the output.
         followed = unseen.output_removed(first, len(unseen.moving) - 1) >= PART
-        if parting and not followed and removed is not None and removed < PART:
+        in_loop = not real and unseen.signal != "unexplained_torque"
+        if parting and removed is not None and ((not followed and removed < PART) or (in_loop and unseen.mostly_left)):
             return parting, True
         there = unseen.removed(first, ended)
         if of_torque and there is not None and there <= 0.0:
