@@ -21,6 +21,7 @@ from .column_words import (
     FEEDFORWARD,
     FILTERED,
     MOTOR,
+    MOVED,
     NO_SIGNAL,
     OUTPUT,
     POWER_UNIT,
@@ -67,7 +68,8 @@ def signal_column(read: HeaderWords) -> Column | None:
         return None
     desired = quantity in ("position", "speed") and "d" in words[1:]
     of_motor = has_word(words[1:], MOTOR) or has_word(words[:1], "motor|rotor")
-    shaft = "output" if has_word(words, OUTPUT) else "motor" if of_motor else ""
+    moved = not has_word(words, MOTOR) and has_word(words, MOVED)
+    shaft = "output" if has_word(words, OUTPUT) or moved else "motor" if of_motor else ""
     return Column(read, quantity, desired or has_word(words, SETPOINT), has_word(words, ACTUAL), shaft)
 
 
