@@ -17,6 +17,7 @@ from .column_quantity import has_word, word_quantity
 from .column_words import (
     ACCELERATION_UNIT,
     ACTUAL,
+    COMPUTED,
     DIRECT_OR_PHASE,
     FEEDFORWARD,
     FILTERED,
@@ -94,7 +95,14 @@ def choose_signals(
 
     take("temperature", of("temperature"))
     currents = of("current")
-    torques = sorted(of("torque"), key=lambda c: (c.shaft != "motor", not _of_a_current(c, currents, numbers)))
+    torques = sorted(
+        of("torque"),
+        key=lambda c: (
+            has_word(c.read.words, COMPUTED),
+            c.shaft != "motor",
+            not _of_a_current(c, currents, numbers),
+        ),
+    )
     behind = [c for c in torques if c.shaft == "output" or (c.shaft == "" and currents and _measured_behind(c))]
     take("motor_torque", [c for c in torques if c not in behind])
     take("load_torque", behind)
