@@ -148,3 +148,14 @@ def test_a_few_cycles_within_a_part_of_a_turn_are_a_bend(stock):
         runs = record(model, (f"sine:{math.pi * turns / 124.0:g}:0.5",))
         f = fit(EquationErrorProblem(observe_all(runs, model)), many, 0)
         assert tuple(is_bend(f.problem, f, name) for name in f.hypothesis.added) == bent
+
+
+def test_a_wave_of_the_output_repeats_with_the_turns_of_the_output(stock):
+    """Half a turn of a joint is many turns of its motor; what its arm or other joints do there is no ripple."""
+    model = replace(stock, orders={}, other_orders=True)
+    h = null_hypothesis(model).with_effect("output_ripple", {"order": "6"}, {"torque": 0.02, "phase": 0.3})
+    both = h.with_effect("output_ripple", {"order": "18"}, {"torque": 0.02, "phase": 0.3})
+    for turns, bent in ((0.5, (True, False)), (1.5, (False, False))):
+        runs = record(model, (f"sine:{math.pi * turns:g}:0.05",), seconds=20.0)
+        f = fit(EquationErrorProblem(observe_all(runs, model)), both, 0)
+        assert tuple(is_bend(f.problem, f, name) for name in f.hypothesis.added) == bent

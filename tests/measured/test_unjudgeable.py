@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import Recording
+from ema_bench_replay.recording import POINTS, Recording
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.measured.scales import to_own_units
@@ -91,3 +91,18 @@ def test_a_spring_that_is_wound_up_is_to_be_read_as_operating_points(motor):
 
 def test_a_shaft_that_rests_unloaded_is_no_test_of_stiffness(motor):
     assert "operating" not in refused([wound("a", torque=0.0)], motor)
+
+
+@pytest.mark.parametrize("loaded", [False, True])
+def test_operating_points_without_a_current_are_refused_unless_a_load_is_measured(motor, loaded):
+    """The wrong column, as a rule. A motor that another one turns gives no torque, and a sensor beside it tells all."""
+    speed = np.linspace(-20.0, 20.0, 80)
+    signals = {"current": np.zeros(80), "speed": speed}
+    if loaded:
+        signals["load_torque"] = -0.1 * np.sign(speed) - 0.02 * speed
+    points = Recording("points", np.arange(80) * 10**9, signals, metadata={POINTS: "true"})
+    if loaded:
+        assert np.isfinite(discover([points], motor).unseen.rmse).all()
+    else:
+        with pytest.raises(InputError, match="its current is 0 A all along; is that the right column"):
+            discover([points], motor)

@@ -109,3 +109,33 @@ def test_of_two_lines_of_names_the_one_with_units_is_the_header(tmp_path, capsys
     init(str(tmp_path / "m"), [trace])
     told = " ".join(capsys.readouterr().out.split())
     assert "轉矩n-m → motor_torque in N m" in told and "轉速rpm → speed in rpm" in told and "VAR →" not in told
+
+
+def walking(rows=1500, step=0.01):
+    """Position and speed of a joint that swings and is hit at each stride: then its speed changes much in one row."""
+    time = np.arange(rows) * step
+    angle, speed = 0.2 * np.sin(3.0 * time), 0.6 * np.cos(3.0 * time)
+    for hit in np.arange(0.35, time[-1], 0.53):
+        away = (time - hit) / 0.025
+        angle += 0.1 * np.exp(-0.5 * away**2)
+        speed -= 0.1 * away / 0.025 * np.exp(-0.5 * away**2)
+    return angle, speed
+
+
+def test_samples_of_a_fast_motion_without_a_time_are_no_operating_points(tmp_path):
+    """The way from row to row is that of both their speeds; that of one of them alone was too far off."""
+    angle, speed = walking()
+    columns = {"joint pos [rad]": angle, "joint vel [rad/s]": speed, "tau [N m]": 3.0 * np.sin(angle) + np.sign(speed)}
+    trace = write_columns(tmp_path / "walk.csv", columns)
+    with pytest.raises(InputError, match=r"look like samples; export the time too, in a column named 'time \[s\]'"):
+        init(str(tmp_path / "m"), [trace])
+
+
+@pytest.mark.parametrize("names", [("tau_cal", "tau_est"), ("calculated torque", "torque")])
+def test_what_the_drive_reports_is_preferred_to_what_a_controller_computed(names, tmp_path):
+    computed, reported = names
+    angle, speed = walking()
+    columns = {"time [s]": np.arange(len(angle)) * 0.01, f"{computed} [N m]": np.cos(angle)}
+    columns |= {f"{reported} [N m]": np.sin(angle), "joint pos [rad]": angle, "joint vel [rad/s]": speed}
+    guesses = {guess.signal: guess.column for guess in guess_columns(list(columns)).signals}
+    assert guesses["motor_torque"] == f"{reported} [N m]"

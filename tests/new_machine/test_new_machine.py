@@ -317,6 +317,29 @@ def test_a_motor_does_not_creep_behind_its_gear_all_along(tmp_path, peak, positi
     assert noise < 1e-2 * np.abs(moved.signals["speed"]).max()
 
 
+@pytest.mark.parametrize(
+    ("position", "at_output"),
+    [("measured steering angle [rad]", True), ("pedal position [rad]", True), ("steering motor angle [rad]", False)],
+)
+def test_the_angle_of_what_a_motor_moves_is_not_the_motors(tmp_path, position, at_output):
+    """At 4 rad/s it may be either shaft's; the inertia and the counts of a turn would be off by the gear ratio."""
+    joint(tmp_path, 4.0, position)
+    init(str(tmp_path / "j"), [tmp_path / "j.csv"], gear_ratio=100.0, torque_constant=0.1)
+    lines = [line_of(tmp_path / "j_map.yaml", f" {signal}:") for signal in ("motor_position", "speed")]
+    assert ["shaft: output}" in line for line in lines] == [at_output, at_output]
+
+
+def test_whose_angle_it_is_behind_a_gear_is_told_where_no_name_tells(tmp_path, capsys):
+    joint(tmp_path, 4.0)
+    init(str(tmp_path / "j"), [tmp_path / "j.csv"], gear_ratio=100.0, torque_constant=0.1)
+    told = " ".join(capsys.readouterr().out.split())
+    assert "position [rad]: read as the motor's, which turns 100 times as fast as the output" in told
+    assert "as in 'output position [rad]'" in told
+    joint(tmp_path, 4.0, "motor position [rad]")
+    init(str(tmp_path / "k"), [tmp_path / "j.csv"], gear_ratio=100.0, torque_constant=0.1)
+    assert "read as the motor's" not in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(("ratio", "told", "at_joint"), [(100.0, 20.0, True), (100.0, 0.2, False), (1.0, 20.0, False)])
 def test_a_torque_constant_that_no_drive_could_feed_is_the_joints(tmp_path, ratio, told, at_joint):
     """20 N m/A are 20 V s/rad: 1200 V at the motor's 60 rad/s."""

@@ -46,3 +46,35 @@ def test_the_inertia_of_a_draft_hides_nothing(stock):
 def test_a_shaft_that_hardly_moves_is_held(stock):
     left = simulate(stock, turning(stock, 0.01), "current").signals["unexplained_torque"]
     assert left[-1] == pytest.approx(0.0, abs=1e-12)
+
+
+LAWS = {
+    "shear_thinning": ({"fraction": 0.5, "speed": 20.0}, {}, lambda w, a, q, b: -0.5 * b * w * w / (w + 20.0)),
+    "quadratic_drag": ({"coefficient": 5e-5}, {}, lambda w, a, q, b: 5e-5 * w**2),
+    "stribeck_friction": ({"torque": 0.05, "speed": 20.0}, {}, lambda w, a, q, b: 0.05 * np.exp(-w / 20.0)),
+    "added_inertia": ({"inertia": 1e-3}, {}, lambda w, a, q, b: 1e-3 * a),
+    "sun_runout": ({"torque": 0.05, "phase": 0.3}, {"kind": "dissipative"}, lambda w, a, q, b: 0.05 * np.sin(q + 0.3)),
+    "cogging": ({"torque": 0.05, "phase": 0.3}, {"order": "3"}, lambda w, a, q, b: 0.05 * np.sin(3.0 * q + 0.3)),
+}
+
+
+@pytest.mark.parametrize("effect", LAWS)
+def test_a_counter_alone_delays_no_effect(stock, effect):
+    """Every torque passes the same filter, whether it follows the counter's speed, which has passed part of it, or not.
+
+    The machine turns forward, from 4 to 60 rad/s and back twice a second, so that what is left is no reversal.
+    """
+    parameters, options, law = LAWS[effect]
+    time = np.arange(4000) * 1e-3
+    turn = 4.0 * np.pi
+    speed, acceleration = 32.0 - 28.0 * np.cos(turn * time), 28.0 * turn * np.sin(turn * time)
+    angle = 32.0 * time - 28.0 / turn * np.sin(turn * time)
+    inertia = sum(stock.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
+    dry = sum(i.parameters["torque"] for i in stock.active.values() if i.effect == "coulomb_friction")
+    viscous = sum(i.parameters["coefficient"] for i in stock.active.values() if i.effect == "viscous_friction")
+    extra = law(speed, acceleration, angle, viscous)
+    drive = inertia * acceleration + viscous * speed + dry + extra
+    signals = {"motor_position": angle, "current": drive / stock.value("machine.torque_constant")}
+    bench = Recording("turning", np.rint(time * 1e9).astype(np.int64), signals)
+    left = simulate(stock.with_effect(effect, parameters, options), bench, "current").signals["unexplained_torque"]
+    assert np.std(left[500:]) < 0.02 * np.std(extra)

@@ -61,6 +61,16 @@ def test_two_comments_above_the_rows_are_names_and_units_and_a_semicolon_may_end
     assert np.array_equal(np.stack(table.columns, axis=1), NUMBERS)
 
 
+@pytest.mark.parametrize("above", ["", "2019-05-11 15:22:21\n"])
+def test_a_row_of_units_of_which_one_is_spelt_oddly_is_not_taken_for_names(tmp_path, above):
+    """A dynamometer's log wrote rad.s for rad/s, and its units were read as the names of its columns."""
+    names, units = "Supply, Torque, Speed, Setpoint, Motor", "V, N.mm, rad.s, rad.s, A"
+    (tmp_path / "run.csv").write_text(f"{above}{names}\n{units}\n48.1, -15.2, -10.5, 10.5, -1.6\n48.0, 9, 8, 7, 6\n")
+    table = read_table(tmp_path / "run.csv")
+    assert table.header == ["Supply [V]", "Torque [N.mm]", "Speed [rad.s]", "Setpoint [rad.s]", "Motor [A]"]
+    assert np.array_equal(table.columns[0], [48.1, 48.0])
+
+
 def test_a_semicolon_ends_the_rows_of_later_blocks_too(tmp_path, monkeypatch):
     monkeypatch.setattr("ema_bench_replay.traces.text_blocks._BLOCK", 64)
     (tmp_path / "run.csv").write_text("time,pos,speed;\n" + matrix(",", ";") * 20)

@@ -91,7 +91,15 @@ def test_how_to_read_a_file_of_many_runs_is_told_where_its_time_goes_back(tmp_pa
 
 
 @pytest.mark.parametrize(
-    ("numbers", "count"), [([1, 1, 2, 2, 5], 3), ([7, 7, 7], 1), ([1, 2, 1], 0)], ids=["runs", "one", "returns"]
+    ("numbers", "count"),
+    [
+        ([1, 1, 2, 2, 5, 5, 5], 3),
+        ([7, 7, 7], 1),
+        ([1, 1, 2, 2, 1, 1], 0),
+        ([20, 21, 22, 24], 0),
+        ([20.5, 20.5, 21, 21], 0),
+    ],
+    ids=["runs", "one", "returns", "one row each", "parts"],
 )
 def test_a_column_numbers_runs_if_the_rows_of_each_follow_each_other(numbers, count):
     assert run_columns(["test", "run no", "Lauf", "current [A]"]) == ["run no", "Lauf", "test"]

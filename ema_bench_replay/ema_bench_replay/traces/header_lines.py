@@ -125,7 +125,7 @@ def _above(lines: list[tuple[str, int]], plain: int, rows: int) -> tuple[int, in
     last, before, first = (_cells(lines[k][0], mark) if k >= 0 else [] for k in (rows - 1, rows - 2, rows - 3))
     if not wide(rows - 2, len(last)):
         return rows - 1, None
-    if _are_units(last):
+    if _are_units(last) or (_are_mostly_units(last) and len({*before}) == len(before)):
         return (rows - 2, rows - 1) if _are_names(_with_time(before, last)) else (rows - 1, None)
     if not _are_units(before):
         return rows - 1, None
@@ -175,6 +175,15 @@ def _are_units(cells: list[str]) -> bool:
     return bool(told) and all(
         is_unit(cell) or cell.lower() in _OTHER_UNITS or _UNIT_MARK.fullmatch(cell) for cell in told
     )
+
+
+def _are_mostly_units(cells: list[str]) -> bool:
+    """Whether more than half of the cells are units, and some are alike, as the names of columns are not.
+
+    So a row of units is known although one of them is spelt in a way that nobody foresaw.
+    """
+    told = [cell for cell in map(_plain, cells) if cell not in ("", "-")]
+    return len({*told}) < len(told) < 2 * sum(_are_units([cell]) for cell in told)
 
 
 def _are_names(cells: list[str]) -> bool:

@@ -78,7 +78,7 @@ _SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
     "mA": ("current", ("ma", "milliamp", "milliamps", "marms")),
     "V": ("voltage", ("v", "volt", "volts", "vdc")),
     "mV": ("voltage", ("mv",)),
-    "degC": ("temperature", ("°c", "degc", "c", "celsius", "gradc")),
+    "degC": ("temperature", ("°c", "degc", "deg c", "degrees c", "c", "celsius", "deg celsius", "gradc")),
 }  # fmt: skip
 
 _COUNTS_AS_UNITS = frozenset({"pulse", "increment", "step", "steps", "edges", "schritte", "qc"})

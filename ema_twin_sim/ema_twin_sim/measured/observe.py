@@ -67,7 +67,10 @@ def observe(recording: Recording, model: Model, widest: float = math.inf, *, bri
     whole = apart <= max(1.0, (1.0 if bridging else 0.5) * width / period)  # a kernel bridges gaps shorter than itself
     if len(time) < 4 * len(kernel):
         second, _ = shown(model, 1.0, "s")
-        raise InputError(f"{recording.name}: lasts {second * recording.duration:.3g} s; a diagnosis needs longer ones")
+        raise InputError(
+            f"{recording.name}: lasts {second * recording.duration:.3g} s; a diagnosis needs longer ones, so record "
+            "longer, or leave it out"
+        )
     ratio = model.value("machine.gear_ratio")
     motion, motion_noise = smoothed_motion(signals, time, period, width, model, reading, geared)
     acceleration = motion[:, ACCELERATION]
@@ -177,6 +180,9 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
     count = len(motion)
     constant = model.value("machine.torque_constant")
     torque = constant * motion[:, MOTOR_CURRENT]
+    if np.ptp(motion[:, LOAD]) == 0.0:  # a load sensor beside it tells the torque of a motor without current
+        refuse_unchanging(recording, {"current": motion[:, MOTOR_CURRENT]}, model)
+    largest = max(float(np.abs(torque).max()), float(np.abs(motion[:, LOAD]).max()))
     depended_on = [motion[:, column] for column in (MOTOR_ANGLE, SPEED, LOAD)]
     noise = model.value("sensors.current_noise") or noise_at_points(motion[:, MOTOR_CURRENT], depended_on)
     nowhere = np.zeros(0)
@@ -193,7 +199,7 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
         torque=torque,
         torque_rate=np.zeros(count),
         acceleration=np.zeros(count),
-        torque_noise=np.full(count, max(constant * noise, LEAST_NOISE * float(np.abs(torque).max()))),
+        torque_noise=np.full(count, max(constant * noise, LEAST_NOISE * largest)),
         torque_step=0.0,
         coarse=False,
         hit=np.zeros(2 * count),

@@ -38,10 +38,14 @@ SETPOINT = (
     r"|^(set|ref|cmd|sp|des|star|goal|wanted|tgt)$"
 )
 ACTUAL = r"^(ist|act|actual|meas|measured|fb|feedback|mesuree?|misurat[ao]|medid[ao]|reale?)$|istwert|^ist"
+COMPUTED = r"^calc?$|^calculated$|^computed$|^berechnet"
+"""Words for what a controller computed: taken only if nothing that the drive reports is there."""
 OUTPUT = (
     r"output|abtrieb|^load|^last(?!_)|^link|^joint|^arm(?!a)|^slow$|second|^out$|^(l|o|2)$|brake|bremse|dyno"
     r"|^sortie|^charge$|^uscita|^carico|^salida|^carga$"
 )
+MOVED = r"^steer|^lenk|^pedal|^rudder|^aileron|^elevator$|^flaps?$|^valve"
+"""What motors move: without a word for the motor beside it, an angle of such a part is not the motor's."""
 MOTOR = r"motor|rotor|antrieb|^moteur|^motore|^(mot|m|1|fast|primary|drive|input)$"
 MOTOR_ITSELF = r"motor|rotor|antrieb|^moteur|^mot$"
 NO_SIGNAL = (

@@ -33,7 +33,7 @@ from .map_draft import draft_map
 from .model_draft import ModelDraft, draft_model, farthest
 from .position_beside_speed import not_summed, unlike_speed
 from .rows import may_be_points
-from .shaft import Shaft, is_possible, position_shaft, ratio_of_positions, too_slow_for_a_motor
+from .shaft import Shaft, is_geared, is_possible, position_shaft, ratio_of_positions, too_slow_for_a_motor
 from .signal_columns import is_quadrature
 from .torque_beside_current import not_proportional
 from .unit_questions import questions_about_units
@@ -140,6 +140,12 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         assumed.append(
             f"{columns}: read as values of the output shaft, {slow} (if one is the motor's, say so in its name, as in "
             "'motor position [rad]', and run init again)"
+        )
+    elif shaft == Shaft() and unnamed and is_geared(given.gear_ratio):
+        columns = ", ".join(g.column for g in guesses.signals if g.signal in ("motor_position", "speed"))
+        assumed.append(
+            f"{columns}: read as the motor's, which turns {given.gear_ratio:g} times as fast as the output (if of the "
+            "output, say so in its name, as in 'output position [rad]', and run init again)"
         )
     model = checked_model([_without(recording, magnitudes) for recording in recordings], given, shaft, source)
     if drives and not turned_drive:

@@ -82,7 +82,8 @@ def _is_time_series(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> bool
         return True
     steps = np.diff(position)
     if "speed" in known:
-        return steady_factor(steps, known["speed"][1:]) is not None
+        between = 0.5 * (known["speed"][1:] + known["speed"][:-1])  # a speed may change much in one step
+        return steady_factor(steps, between) is not None
     usual = float(np.median(np.abs(steps)))
     return usual == 0.0 or float(np.mean(np.abs(np.abs(steps) - usual) < PART * usual)) < NEARLY_ALL
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeGuard
 
 import numpy as np
 
@@ -83,13 +84,18 @@ def too_slow_for_a_motor(recordings: Sequence[Recording], gear_ratio: float | No
 
     A gear is there to let the motor run fast. A motor that is slow all the time would hardly move the output.
     """
-    if gear_ratio is None or gear_ratio < GEARED or any(r.motion != "rotary" or r.of_points for r in recordings):
+    if not is_geared(gear_ratio) or any(r.motion != "rotary" or r.of_points for r in recordings):
         return ""
     fastest = max(fastest_motion(recording) for recording in recordings)
     if not 0.0 < fastest < SLOW_MOTOR:
         return ""
     least = f"a motor with a gear ratio of {gear_ratio:g} exceeds {SLOW_MOTOR:g} rad/s"
     return f"no faster than {fastest:.3g} rad/s, while {least}"
+
+
+def is_geared(gear_ratio: float | None) -> TypeGuard[float]:
+    """Whether a gear ratio is given that lets the motor run fast: its shafts cannot be taken for each other."""
+    return gear_ratio is not None and gear_ratio >= GEARED
 
 
 def fastest_motion(recording: Recording) -> float:

@@ -17,10 +17,12 @@ from .column_quantity import has_word, word_quantity
 from .column_words import (
     ACCELERATION_UNIT,
     ACTUAL,
+    COMPUTED,
     DIRECT_OR_PHASE,
     FEEDFORWARD,
     FILTERED,
     MOTOR,
+    MOVED,
     NO_SIGNAL,
     OUTPUT,
     POWER_UNIT,
@@ -67,7 +69,8 @@ def signal_column(read: HeaderWords) -> Column | None:
         return None
     desired = quantity in ("position", "speed") and "d" in words[1:]
     of_motor = has_word(words[1:], MOTOR) or has_word(words[:1], "motor|rotor")
-    shaft = "output" if has_word(words, OUTPUT) else "motor" if of_motor else ""
+    moved = not has_word(words, MOTOR) and has_word(words, MOVED)
+    shaft = "output" if has_word(words, OUTPUT) or moved else "motor" if of_motor else ""
     return Column(read, quantity, desired or has_word(words, SETPOINT), has_word(words, ACTUAL), shaft)
 
 
@@ -92,7 +95,14 @@ def choose_signals(
 
     take("temperature", of("temperature"))
     currents = of("current")
-    torques = sorted(of("torque"), key=lambda c: (c.shaft != "motor", not _of_a_current(c, currents, numbers)))
+    torques = sorted(
+        of("torque"),
+        key=lambda c: (
+            has_word(c.read.words, COMPUTED),
+            c.shaft != "motor",
+            not _of_a_current(c, currents, numbers),
+        ),
+    )
     behind = [c for c in torques if c.shaft == "output" or (c.shaft == "" and currents and _measured_behind(c))]
     take("motor_torque", [c for c in torques if c not in behind])
     take("load_torque", behind)

@@ -9,10 +9,10 @@ F is one causal filter for both sides, computed sample by sample in the same way
 smoothing of the speed (applied to the torques only, since the measured speed already has it) and two equal lags that
 keep the derivative of a noisy speed usable. Both sides are evaluated at the middle of the interval: a shift of half a
 sample would appear as inertia times jerk. If no speed is measured, the motor counter's difference is used; it is so
-coarse (0.08 rad/s at 2 ms) that the first lag is applied before the model's torques are evaluated. If the transmission
-has backlash or compliance, the output is simulated, driven by the measured motor (``driven_output.py``).
-
-It is a separate pass over the samples after that of the kernel (``estimate``).
+coarse (0.08 rad/s at 2 ms) that the first lag is applied before the model's torques are evaluated. What follows from
+that speed has then passed the lag; what follows from position, current and measured load passes it afterwards, as if
+these alone had changed in each interval (``late``). If the transmission has backlash or compliance, the output is
+simulated, driven by the measured motor (``driven_output.py``).
 """
 
 import math
@@ -86,6 +86,17 @@ def counter_torque(state, torque, interval):
 
 
 @njit(error_model="numpy")
+def late(short, change, interval):
+    """By how much [N m] a torque, after the first lag, still falls short of what it is.
+
+    ``short`` is its value of the last sample, ``change`` [N m] the torque's over the interval, during which
+    ``counter_torque`` uses its mean.
+    """
+    gain = lag_gain(interval, COUNTER_LAG)
+    return (1.0 - gain) * short - (1.0 - 0.5 * gain) * change
+
+
+@njit(error_model="numpy")
 def filtered_balance(state, torque, speed, inertia, interval, has_speed, smoothing):
     """Unexplained torque [N m] after one more sample; ``state`` carries the filters (``balance_*``).
 
@@ -100,6 +111,8 @@ def filtered_balance(state, torque, speed, inertia, interval, has_speed, smoothi
         state.balance_torque_2 = torque
         state.balance_torque_3 = torque
         state.balance_speed_2 = state.balance_speed_1
+        state.balance_torque_late = 0.0
+        state.balance_dry_late = 0.0
         state.balance_ready = 1.0
         return torque
     torque_before = state.balance_torque_3
@@ -119,6 +132,39 @@ def filtered_balance(state, torque, speed, inertia, interval, has_speed, smoothi
     state.balance_speed_2 += gain * (state.balance_speed_1 - state.balance_speed_2)
     acceleration = (state.balance_speed_2 - speed_before) / interval
     return 0.5 * (state.balance_torque_3 + torque_before) - inertia * acceleration
+
+
+@njit(error_model="numpy")
+def _point(plant, state, time, travel, current, speed, acceleration, transmitted):
+    """The measured operating point at which effects act."""
+    ratio = plant.gear_ratio
+    angle = state.motor_angle_origin + travel
+    return OperatingPoint(
+        time,
+        angle,
+        plant.pole_pairs * angle,
+        speed,
+        state.output_angle_origin + (travel + state.output_start) / ratio,
+        travel / ratio,
+        speed / ratio,
+        acceleration,
+        current,
+        plant.torque_constant * current,
+        transmitted,
+        plant.motor_dry + plant.output_dry,
+        plant.motor_viscous + plant.output_viscous,
+    )
+
+
+@njit(error_model="numpy")
+def _stopped(plant, state, travel, speed):
+    """Torque [N m] of the end stops at the motor's ``travel`` [rad]."""
+    if math.isinf(plant.end_stop_lower) and math.isinf(plant.end_stop_upper):
+        return 0.0
+    ratio = plant.gear_ratio
+    stop = state.output_angle_origin * ratio + state.output_start
+    lower, upper = plant.end_stop_lower * ratio - stop, plant.end_stop_upper * ratio - stop
+    return end_stop_torque(travel, speed, lower, upper, plant.contact_stiffness, plant.contact_damping)
 
 
 @njit(error_model="numpy")
@@ -142,52 +188,40 @@ def _unexplained(plant, state, effects, before, now, simulated_angle, interval, 
     smoothing = plant.speed_smoothing
     current = now[CURRENT_IN]
     sharp = unsmoothed(speed, speed_before, interval, smoothing) if has_speed else counter_speed(state, speed, interval)
-    ratio = plant.gear_ratio
     lag = BALANCE_LAG if has_speed else COUNTER_LAG
     acceleration = (speed - state.balance_speed_1) / lag if state.balance_ready != 0.0 else 0.0
-    drive_torque = plant.torque_constant * current
     travel = simulated_angle if math.isnan(position) else position
-    total_dry = plant.motor_dry + plant.output_dry
     sense = 1.0 if sharp > 0.0 else -1.0
     own = plant.output_inertia * acceleration + plant.output_viscous * sharp + plant.output_dry * sense
-    at = OperatingPoint(
-        time,
-        state.motor_angle_origin + travel,
-        plant.pole_pairs * (state.motor_angle_origin + travel),
-        sharp,
-        state.output_angle_origin + (travel + state.output_start) / ratio,
-        travel / ratio,
-        sharp / ratio,
-        acceleration,
-        current,
-        drive_torque,
-        own,
-        total_dry,
-        plant.motor_viscous + plant.output_viscous,
-    )
+    at = _point(plant, state, time, travel, current, sharp, acceleration, own)
     torque, dry, load, thinned = evaluate(effects, at)
-    load += now[LOAD_IN]
-    if not (math.isinf(plant.end_stop_lower) and math.isinf(plant.end_stop_upper)):
-        stop = state.output_angle_origin * ratio + state.output_start
-        load += end_stop_torque(
-            travel,
-            sharp,
-            plant.end_stop_lower * ratio - stop,
-            plant.end_stop_upper * ratio - stop,
-            plant.contact_stiffness,
-            plant.contact_damping,
-        )
+    load += now[LOAD_IN] + _stopped(plant, state, travel, sharp)
     rigid = plant.two_inertia == 0.0
     transmitted = own + load if rigid else driven_output(plant, state, sharp, travel, load, interval, step)
     if transmitted != own:
         # the load determines the transmitted torque, and effects that depend on it are evaluated afterwards
         torque, dry, _, thinned = evaluate(effects, changed(at, transmitted, at.dry_level))
+    driving = plant.torque_constant * current
+    if not has_speed:
+        driving = counter_torque(state, driving, interval)
+        # the same torques at this speed before position, current and measured load changed
+        past = before[MOTOR_POSITION_IN]
+        earlier = _point(plant, state, time - interval, past, before[CURRENT_IN], sharp, acceleration, transmitted)
+        torque_before, dry_before, load_before, _ = evaluate(effects, earlier)
+        if rigid:
+            torque_before += load_before + before[LOAD_IN] + _stopped(plant, state, past, sharp)
+        change = torque + (load if rigid else 0.0) - torque_before
+        if state.balance_ready != 0.0:
+            state.balance_torque_late = late(state.balance_torque_late, change, interval)
+            state.balance_dry_late = late(state.balance_dry_late, dry - dry_before, interval)
+            torque += state.balance_torque_late
+            dry += state.balance_dry_late
     if rigid:
         torque += load
         passed = 0.0
         viscous = plant.motor_viscous + plant.output_viscous
         inertia = plant.motor_inertia + plant.output_inertia
-        base_dry = total_dry
+        base_dry = plant.motor_dry + plant.output_dry
         break_away = plant.motor_break_away + plant.output_break_away
     else:
         passed = transmitted
@@ -195,17 +229,17 @@ def _unexplained(plant, state, effects, before, now, simulated_angle, interval, 
         inertia = plant.motor_inertia
         base_dry = plant.motor_dry
         break_away = plant.motor_break_away
-        dry = max(0.0, dry - plant.output_dry)
+        dry -= plant.output_dry
+    dry = max(0.0, dry)
     break_away = max(0.0, break_away + dry - base_dry)
-    driving = drive_torque - torque
-    if not has_speed:
-        driving = counter_torque(state, driving, interval)
+    driving -= torque
     share = 1.0 if rigid else bristle_share(plant)
     uneven, bent, dry, break_away, state.driven_bristle = rubbing(
         sharp, driving - passed, plant.asymmetry, viscous + thinned, dry, break_away, plant.bristle_stiffness > 0.0,
         state.driven_bristle, plant.bristle_stiffness * share, plant.bristle_damping * share, interval,
     )  # fmt: skip
     passed = passed + uneven + bent
+    total_dry = plant.motor_dry + plant.output_dry
     standstill = min(STANDSTILL * math.sqrt(total_dry / (plant.motor_inertia + plant.output_inertia)), MOST_STANDSTILL)
     unbalanced = unbalanced_torque(driving - passed, sharp, viscous, dry, break_away, standstill)
     return filtered_balance(state, unbalanced, speed, inertia, interval, has_speed, smoothing)

@@ -97,6 +97,8 @@ STATE = np.dtype(
         ("balance_torque_1", "f8"),
         ("balance_torque_2", "f8"),
         ("balance_torque_3", "f8"),
+        ("balance_torque_late", "f8"),
+        ("balance_dry_late", "f8"),
         ("balance_speed_1", "f8"),
         ("balance_speed_2", "f8"),
         ("balance_ready", "f8"),

@@ -165,15 +165,15 @@ def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], model:
 
 
 def is_bend(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    """Whether an added effect is a wave of which few cycles were recorded, within less than a turn of the motor.
+    """Whether an added effect is a wave of which few cycles were recorded, within less than a turn of its shaft.
 
     There it is a curve over the angle, like any other. Only a whole turn shows that it repeats, and many cycles do.
     """
     instance = f.hypothesis.added[name]
     if catalogue()[instance.effect].depends_on == "encoders" or "order" not in instance.options:
         return False
-    turns = _turns(problem)
-    return turns < 1.0 and turns * f.hypothesis.model().motor_order(name) < MANY_CYCLES
+    cycles = _turns(problem) * f.hypothesis.model().motor_order(name)
+    return cycles < min(float(instance.options["order"]), MANY_CYCLES)
 
 
 def standing_out(problem: EquationErrorProblem, f: Fit, gear_ratio: float | None = None) -> list[str]:
