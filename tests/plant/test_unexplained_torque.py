@@ -46,3 +46,40 @@ def test_the_inertia_of_a_draft_hides_nothing(stock):
 def test_a_shaft_that_hardly_moves_is_held(stock):
     left = simulate(stock, turning(stock, 0.01), "current").signals["unexplained_torque"]
     assert left[-1] == pytest.approx(0.0, abs=1e-12)
+
+
+def speeding_up(model, period, *, signal):
+    """A constant acceleration of the model's own machine, sampled every ``period`` [s], with or without its speed."""
+    time = np.arange(round(1.0 / period)) * period
+    rising, begun = 100.0, 20.0
+    speed = begun + rising * time
+    parts = {"motor": [], "output": []}
+    for held in model.active.values():
+        if "side" in held.options:
+            parts[held.options["side"]].append(next(iter(held.parameters.values())) * np.ones_like(time))
+            if held.effect == "viscous_friction":
+                parts[held.options["side"]][-1] = parts[held.options["side"]][-1] * speed
+    passed = model.value("machine.output_inertia") * rising + sum(parts["output"])
+    inertia = model.value("machine.motor_inertia") + model.value("machine.gearbox_inertia")
+    teeth = model.active["mesh_friction"].parameters["coefficient"] * passed
+    torque = passed + teeth + inertia * rising + sum(parts["motor"])
+    signals = {
+        "motor_position": begun * time + 0.5 * rising * time**2,
+        "speed": speed,
+        "current": torque / model.value("machine.torque_constant"),
+    }
+    if not signal:
+        del signals["speed"]
+    return Recording("speeding_up", np.rint(time * 1e9).astype(np.int64), signals)
+
+
+@pytest.mark.parametrize("period", [5e-4, 2e-3, 1e-2, 2.5e-2])
+@pytest.mark.parametrize("signal", [True, False], ids=["speed", "counter"])
+def test_what_follows_the_acceleration_is_right_at_any_sample_rate(stock, period, signal):
+    """Friction of the teeth carries the output's inertia: a trace of 100 Hz shows it as well as one of 2 kHz."""
+    model = stock.with_effect("mesh_friction", {"coefficient": 0.5})
+    model = model.with_value("sensors.speed_smoothing", 0.0)
+    recording = speeding_up(model, period, signal=signal)
+    left = simulate(model, recording, "current").signals["unexplained_torque"]
+    carried = 0.5 * model.value("machine.output_inertia") * 100.0
+    assert abs(left[-1]) < 0.02 * carried

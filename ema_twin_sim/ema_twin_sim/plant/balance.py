@@ -86,6 +86,20 @@ def counter_torque(state, torque, interval):
 
 
 @njit(error_model="numpy")
+def lagged_acceleration(state, speed, interval, has_speed):
+    """Acceleration [rad/s²] after the first lag: by how much the lagged speed rises over an interval.
+
+    A counter's difference has passed its lag already. Right at any interval: a lag's exact gain over a long one is far
+    from interval over time constant.
+    """
+    if state.balance_ready == 0.0:
+        return 0.0
+    gain = lag_gain(interval, BALANCE_LAG if has_speed else COUNTER_LAG)
+    share = gain if has_speed else gain / (1.0 - gain)
+    return share * (speed - state.balance_speed_1) / interval
+
+
+@njit(error_model="numpy")
 def filtered_balance(state, torque, speed, inertia, interval, has_speed, smoothing):
     """Unexplained torque [N m] after one more sample; ``state`` carries the filters (``balance_*``).
 
@@ -143,8 +157,7 @@ def _unexplained(plant, state, effects, before, now, simulated_angle, interval, 
     current = now[CURRENT_IN]
     sharp = unsmoothed(speed, speed_before, interval, smoothing) if has_speed else counter_speed(state, speed, interval)
     ratio = plant.gear_ratio
-    lag = BALANCE_LAG if has_speed else COUNTER_LAG
-    acceleration = (speed - state.balance_speed_1) / lag if state.balance_ready != 0.0 else 0.0
+    acceleration = lagged_acceleration(state, speed, interval, has_speed)
     drive_torque = plant.torque_constant * current
     travel = simulated_angle if math.isnan(position) else position
     total_dry = plant.motor_dry + plant.output_dry
