@@ -27,6 +27,7 @@ METHOD = {
     "measured/spoilt_samples.py": "FEWEST TOLD ROUNDING NEIGHBOURS",
     "measured/switching_ripple.py": "_FINER",
     "measured/twist.py": "SMOOTHED FEWEST AT_ENDS",
+    "measured/speed_lag.py": "_BLOCKS _FEWEST",
     "measured/way_by_speed.py": "WINDOW FEWEST",
     "identification/chance.py": "NEIGHBOURS EXPLAINED",
     "identification/compliance.py": (

@@ -1,7 +1,8 @@
 """Noise of the sensors from the recordings, for a model that states none.
 
 A model without ``sensors`` has perfect ones: any error would exceed their noise of zero, and effects would be looked
-for in noise. The draft of a new machine gets its noise in the same way.
+for in noise. An acceleration that comes late by the drive's smoothing of its speed is such an error as well. The draft
+of a new machine gets both in the same way.
 """
 
 from __future__ import annotations
@@ -21,15 +22,19 @@ from ..model.model import ConstantValue
 from ..model.model_file import ABSENT
 from ..quantities import quantity
 from ..reading_noise import noise_of_points, polled_noise
+from .speed_lag import speed_lag
 
+SMOOTHING = "sensors.speed_smoothing"
 _SOURCE = "third differences of the recordings"
+_LAG_SOURCE = "lag of the speed behind the position"
 
 
 def with_noise_of(recordings: Sequence[Recording], model: Model) -> tuple[Model, str]:
     """The model with the noise of the recordings, and a sentence on it; unchanged if the model states its current's.
 
     Each sensor without a constant in the model's file gets one: current and speed their white noise, an encoder steps
-    that make as much noise as its position has. Raises InputError if recordings and model do not belong together.
+    that make as much noise as its position has, a speed the smoothing by which it lags the position. Raises InputError
+    if recordings and model do not belong together.
     """
     if model.constants["sensors.current_noise"].source != ABSENT:
         return model, ""
@@ -55,6 +60,10 @@ def with_noise_of(recordings: Sequence[Recording], model: Model) -> tuple[Model,
         told.append(f"{signal} {quantity(said, unit)}")
     if not told:
         return model, ""
+    lags = [lag for recording in found if (lag := speed_lag(recording)) is not None]
+    if lags and constants[SMOOTHING].source == ABSENT and max(lags) <= CONSTANTS[SMOOTHING].upper:
+        constants[SMOOTHING] = ConstantValue(float(np.median(lags)), 0.05, _LAG_SOURCE)
+        told.append(f"smoothing of the speed {quantity(constants[SMOOTHING].value, 's')}")
     return replace(model, constants=constants), (
         f"model {model.name} states no noise of its sensors (`sensors:` in its file), so that of the recordings is "
         f"taken: {', '.join(told)}"
