@@ -86,3 +86,20 @@ def test_the_smoothing_of_the_speed_is_taken_where_none_is_stated(tmp_path, lag)
     assert "smoothing of the speed" in told
     stated = load_model(hoist(tmp_path, "sensors: {speed_smoothing: {value: 0.001, unit: s}}\n"))
     assert with_noise_of([smoothed], stated)[0].value("sensors.speed_smoothing") == 0.001
+
+
+@pytest.mark.parametrize("noise", [0.0, 1.5])
+def test_what_an_output_encoder_adds_to_its_counts_is_taken(tmp_path, noise):
+    """Its clock is uneven, which moves both encoders alike: that is no noise of theirs."""
+    count = 2.0 * np.pi / 2**16
+    sensors = "sensors: {output_encoder_counts: {value: 65536, unit: 1/rev}}\n"
+    model = load_model(hoist(tmp_path, sensors))
+    run = recorded("current")
+    late = RNG.normal(0.0, 1e-3, len(TIME))
+    angle = np.interp(TIME + late, TIME, ANGLE)
+    output = count * np.rint(angle / count + noise * RNG.normal(size=len(TIME)))
+    found, told = with_noise_of(
+        [replace(run, signals={**run.signals, "motor_position": angle, "output_position": output})], model
+    )
+    assert found.value("sensors.output_encoder_noise") == pytest.approx(noise, rel=0.1)
+    assert ("output position" in told) == (noise > 0.0)
