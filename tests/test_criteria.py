@@ -27,6 +27,7 @@ METHOD = {
     "measured/spoilt_samples.py": "FEWEST TOLD ROUNDING NEIGHBOURS",
     "measured/switching_ripple.py": "_FINER",
     "measured/twist.py": "SMOOTHED FEWEST AT_ENDS",
+    "measured/speed_lag.py": "_BLOCKS _FEWEST",
     "measured/way_by_speed.py": "WINDOW FEWEST",
     "identification/chance.py": "NEIGHBOURS EXPLAINED",
     "identification/compliance.py": (
@@ -44,7 +45,7 @@ METHOD = {
     "identification/null_hypothesis.py": "LAG_LIMIT LAG_STEP",
     "identification/local_minima.py": "FINALISTS STIFFER DAMPED HEAVIER HOPS",
     "identification/screening.py": "STEP AT_ONCE",
-    "identification/search_limits.py": "LATEST _POWERS",
+    "identification/search_limits.py": "LATEST LATEST_SAMPLES _POWERS",
     "identification/sensors.py": "GEARBOX_COLUMNS STEPS NEXT_TO_NOTHING",
     "identification/side_by_side.py": "LEAST",
     "identification/start_values.py": "WIDE SPREAD FEWEST MOST _TURNS DECADES",

@@ -3,8 +3,10 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.search.found_orders import is_bend, resolved, written_order
 from ema_twin_sim.identification.candidates import Candidate, candidates
@@ -17,6 +19,20 @@ from ema_twin_sim.words.sentences import order_sentences
 from tests.recorded import record
 
 ORDER = 7.4286  # of a mesh that no catalogue knows
+TORQUE_MOTOR = """
+version: 1
+machine:
+  name: torque_motor
+  inertia: {value: 0.4, unit: kg m^2, tolerance: 0.05}
+  torque_constant: {value: 8.0, unit: N m/A, tolerance: 0.0}
+sensors:
+  motor_encoder_counts: {value: 4194304, unit: 1/rev}
+  speed_noise: {value: 2.0e-4, unit: rad/s}
+  current_noise: {value: 0.01, unit: A}
+effects:
+  viscous_friction: {effect: viscous_friction, options: {side: motor}, parameters: {coefficient: 0.15}}
+  coulomb_friction: {effect: coulomb_friction, options: {side: motor}, parameters: {torque: 1.0, static_ratio: 1.0}}
+"""
 
 
 @pytest.fixture(scope="module")
@@ -159,3 +175,29 @@ def test_a_wave_of_the_output_repeats_with_the_turns_of_the_output(stock):
         runs = record(model, (f"sine:{math.pi * turns:g}:0.05",), seconds=20.0)
         f = fit(EquationErrorProblem(observe_all(runs, model)), both, 0)
         assert tuple(is_bend(f.problem, f, name) for name in f.hypothesis.added) == bent
+
+
+def test_a_torque_motor_of_many_poles_cogs_in_slow_motion(tmp_path):
+    """22 pole pairs and 24 slots; most of the torque turns the inertia, which sets the machine's own pace."""
+    rng = np.random.default_rng(4)
+    time = np.arange(16_000) * 5e-4
+    recordings = []
+    for number, (swing, rate) in enumerate(((1.0, 0.8), (2.0, 4.0), (1.2, 6.0))):
+        angle = 0.3 + swing * (1.0 - np.cos(rate * time))
+        speed = swing * rate * np.sin(rate * time)
+        torque = 0.4 * swing * rate**2 * np.cos(rate * time) + np.sign(speed) + 0.15 * speed
+        torque += 0.15 * np.sin(264.0 * angle + 0.5)
+        signals = {
+            "motor_position": angle - angle[0] + rng.normal(0.0, 5e-7, len(time)),
+            "speed": speed + rng.normal(0.0, 2e-4, len(time)),
+            "current": torque / 8.0 + rng.normal(0.0, 0.01, len(time)),
+        }
+        stamps = np.rint(time * 1e9).astype(np.int64)
+        recordings.append(Recording(f"run{number}", stamps, signals, motor_angle_origin=float(angle[0])))
+    place = tmp_path / "torque_motor.yaml"
+    place.write_text(TORQUE_MOTOR)
+    found = discover(recordings, load_model(place))
+    assert (found.verdict, found.added) == ("explained", ("cogging",))
+    cogging = found.model.effects["cogging"]
+    assert cogging.options["order"] == "264"
+    assert cogging.parameters["torque"] == pytest.approx(0.15, rel=0.03)

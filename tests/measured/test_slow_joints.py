@@ -79,7 +79,7 @@ def run(speed, period, kept=slice(None)):
 
 
 def test_a_sample_that_is_missing_costs_no_rows_where_the_kernel_is_far_longer(stock):
-    model = stock.with_value("machine.output_inertia", 0.0)
+    model = stock.with_value("machine.output_inertia", 0.0).with_value("sensors.speed_noise", 0.2)  # long kernel
     speed = 50.0 * np.cos(np.arange(20_000) * 2.5e-3)
     kept = np.arange(len(speed)) % 100 != 50
     whole, holed = observe(run(speed, 5e-4), model), observe(run(speed, 5e-4, kept), model)

@@ -70,3 +70,36 @@ def test_compare_prints_no_noise_of_zero(tmp_path):
     done("init", tmp_path / "run.csv", "-o", tmp_path / "m")
     found = done("compare", tmp_path / "run.csv", "--map", tmp_path / "m_map.yaml", "--model", hoist(tmp_path))
     assert "states no noise of its sensors" in found.stderr and "0 N m" not in found.stdout.replace(".0 N m", "")
+
+
+@pytest.mark.parametrize("lag", [0.02, 0.05])
+def test_the_smoothing_of_the_speed_is_taken_where_none_is_stated(tmp_path, lag):
+    """A drive's filter makes the acceleration late; the inertia's torque would be missing where it changes."""
+    run, model = recorded("current"), load_model(hoist(tmp_path))
+    late, held = np.empty(len(TIME)), SPEED[0]
+    share = 1.0 - np.exp(-1e-2 / lag)
+    for k, speed in enumerate(SPEED):
+        late[k] = held = held + share * (speed - held)
+    smoothed = replace(run, signals={**run.signals, "speed": late + RNG.normal(0.0, 2e-4, len(TIME))})
+    found, told = with_noise_of([smoothed], model)
+    assert found.value("sensors.speed_smoothing") == pytest.approx(lag, abs=0.01)
+    assert "smoothing of the speed" in told
+    stated = load_model(hoist(tmp_path, "sensors: {speed_smoothing: {value: 0.001, unit: s}}\n"))
+    assert with_noise_of([smoothed], stated)[0].value("sensors.speed_smoothing") == 0.001
+
+
+@pytest.mark.parametrize("noise", [0.0, 1.5])
+def test_what_an_output_encoder_adds_to_its_counts_is_taken(tmp_path, noise):
+    """Its clock is uneven, which moves both encoders alike: that is no noise of theirs."""
+    count = 2.0 * np.pi / 2**16
+    sensors = "sensors: {output_encoder_counts: {value: 65536, unit: 1/rev}}\n"
+    model = load_model(hoist(tmp_path, sensors))
+    run = recorded("current")
+    late = RNG.normal(0.0, 1e-3, len(TIME))
+    angle = np.interp(TIME + late, TIME, ANGLE)
+    output = count * np.rint(angle / count + noise * RNG.normal(size=len(TIME)))
+    found, told = with_noise_of(
+        [replace(run, signals={**run.signals, "motor_position": angle, "output_position": output})], model
+    )
+    assert found.value("sensors.output_encoder_noise") == pytest.approx(noise, rel=0.1)
+    assert ("output position" in told) == (noise > 0.0)

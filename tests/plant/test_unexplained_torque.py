@@ -78,3 +78,50 @@ def test_a_counter_alone_delays_no_effect(stock, effect):
     bench = Recording("turning", np.rint(time * 1e9).astype(np.int64), signals)
     left = simulate(stock.with_effect(effect, parameters, options), bench, "current").signals["unexplained_torque"]
     assert np.std(left[500:]) < 0.02 * np.std(extra)
+
+
+def speeding_up(model, period, *, signal):
+    """A constant acceleration of the model's own machine, sampled every ``period`` [s], with or without its speed."""
+    time = np.arange(round(1.0 / period)) * period
+    rising, begun = 100.0, 20.0
+    speed = begun + rising * time
+    parts = {"motor": [], "output": []}
+    for held in model.active.values():
+        if "side" in held.options:
+            parts[held.options["side"]].append(next(iter(held.parameters.values())) * np.ones_like(time))
+            if held.effect == "viscous_friction":
+                parts[held.options["side"]][-1] = parts[held.options["side"]][-1] * speed
+    passed = model.value("machine.output_inertia") * rising + sum(parts["output"])
+    inertia = model.value("machine.motor_inertia") + model.value("machine.gearbox_inertia")
+    teeth = model.active["mesh_friction"].parameters["coefficient"] * passed
+    torque = passed + teeth + inertia * rising + sum(parts["motor"])
+    signals = {
+        "motor_position": begun * time + 0.5 * rising * time**2,
+        "speed": speed,
+        "current": torque / model.value("machine.torque_constant"),
+    }
+    if not signal:
+        del signals["speed"]
+    return Recording("speeding_up", np.rint(time * 1e9).astype(np.int64), signals)
+
+
+@pytest.mark.parametrize("period", [5e-4, 2e-3, 1e-2, 2.5e-2])
+@pytest.mark.parametrize("signal", [True, False], ids=["speed", "counter"])
+def test_what_follows_the_acceleration_is_right_at_any_sample_rate(stock, period, signal):
+    """Friction of the teeth carries the output's inertia: a trace of 100 Hz shows it as well as one of 2 kHz."""
+    model = stock.with_effect("mesh_friction", {"coefficient": 0.5})
+    model = model.with_value("sensors.speed_smoothing", 0.0)
+    recording = speeding_up(model, period, signal=signal)
+    left = simulate(model, recording, "current").signals["unexplained_torque"]
+    carried = 0.5 * model.value("machine.output_inertia") * 100.0
+    assert abs(left[-1]) < 0.02 * carried
+
+
+def test_a_counter_read_once_a_second_leaves_no_gap(stock):
+    """So long after a sample, the lag has settled to the last digit."""
+    bench = turning(stock, 20.0)
+    time = np.arange(12.0)
+    slow = {"motor_position": 20.0 * time, "current": np.full(len(time), bench.signals["current"][-1])}
+    recording = Recording("slow", np.rint(time * 1e9).astype(np.int64), slow)
+    left = simulate(stock, recording, "current").signals["unexplained_torque"]
+    assert left[1:] == pytest.approx(BEYOND, rel=1e-6)

@@ -23,5 +23,5 @@ EFFECT = Effect(
     ),
     act=act,
     place=OUTPUT_TORQUE,
-    traits=(Trait.LOAD,),
+    traits=(Trait.LOAD, Trait.WOUND_UP),
 )

@@ -46,6 +46,8 @@ class Trait(Enum):
     SHOWN_BY_REVERSALS = auto()
     """Without reversals it looks like a small friction error."""
 
+    WOUND_UP = auto()
+    """Grows with the travel since the start, without limit: a shaft that turns on and on cannot have it."""
     NOT_AT_REST = auto()
     """Not visible at rest."""
     TRANSIENT = auto()

@@ -18,6 +18,7 @@ from ..measured.observation import Observation
 from ..plant.measured_motion import ACCELERATION, OUTPUT_ANGLE, SPEED, TIME
 
 LATEST = 0.02  # own s, of a fieldbus of the reference bench; a later encoder belongs to another machine
+LATEST_SAMPLES = 8.0  # or so many sample periods: electronics are late by cycles, however quick the mechanics are
 _POWERS = {
     "N m": (0, 0, 0),
     "N m s/rad": (1, 0, 0),
@@ -32,7 +33,8 @@ _POWERS = {
 class Reached:
     """What recordings reach: N m, rad/s and rad/s² of the fast shaft, rad of the slow shaft, s.
 
-    ``places`` are the smallest and largest angle of the slow shaft, by its encoder.
+    ``places`` are the smallest and largest angle of the slow shaft, by its encoder; ``period`` is the longest between
+    samples.
     """
 
     torque: float
@@ -41,6 +43,7 @@ class Reached:
     travel: float
     duration: float
     places: tuple[float, float]
+    period: float
 
 
 def reached(observations: Sequence[Observation]) -> Reached:
@@ -62,6 +65,7 @@ def reached(observations: Sequence[Observation]) -> Reached:
             min((o.output_origin + float(o.motion[:, OUTPUT_ANGLE].min()) for o in observations), default=0.0),
             max((o.output_origin + float(o.motion[:, OUTPUT_ANGLE].max()) for o in observations), default=0.0),
         ),
+        max((o.period for o in observations), default=0.0),
     )
 
 
@@ -83,7 +87,7 @@ def _largest(effect: Effect, parameter: Parameter, of: Reached) -> float:
     size = effect.parameters[0]
     most = SEARCHED_UP_TO if parameter is size else ANY_SIZE
     if parameter.unit == "s" and parameter is size:
-        return LATEST
+        return max(LATEST, LATEST_SAMPLES * of.period)
     if parameter.unit in _POWERS:
         if parameter.lower > 0.0:  # a stiffness, which may be practically rigid
             return math.inf

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..criteria import NEGLIGIBLE, SMALL
-from .smoothing import gaussian, smooth_way
+from .smoothing import gaussian, smooth, smooth_way
 
 NARROWER = 0.7  # ratio of one tried width to the next
 
@@ -20,6 +20,24 @@ def narrowest(position: np.ndarray, period: float, noise: float, widest: float, 
     while width * NARROWER >= least and noise * float(np.linalg.norm(gaussian(width * NARROWER, period, 2))) <= allowed:
         width *= NARROWER
     return width
+
+
+def narrowest_of_speed(
+    speed: np.ndarray, period: float, noise: float, smoothing: float, widest: float, least: float
+) -> float:
+    """The same for the first derivative of a speed (n,) [rad/s] that a drive has smoothed by a lag [s]."""
+    allowed = NEGLIGIBLE * float(np.sqrt(np.mean(smooth(speed, slope(widest, period, smoothing)) ** 2)))
+    width = widest
+    while width * NARROWER >= least:
+        if noise * float(np.linalg.norm(slope(width * NARROWER, period, smoothing))) > allowed:
+            break
+        width *= NARROWER
+    return width
+
+
+def slope(width: float, period: float, smoothing: float) -> np.ndarray:
+    """Kernel of the acceleration, from a speed that a drive has smoothed by a lag [s]."""
+    return gaussian(width, period, 1) + smoothing * gaussian(width, period, 2)
 
 
 def narrowest_for_speed(period: float, noise: float, widest: float, least: float, standstill: float) -> float:

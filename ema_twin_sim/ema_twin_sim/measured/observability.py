@@ -9,6 +9,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
+from ..criteria import NEGLIGIBLE
 from ..effects import Trait, catalogue, effects_with
 from ..effects.catalogue import is_own
 from ..model import Model
@@ -21,13 +22,28 @@ PLACES = frozenset({"order", "output_position", "encoders"})
 
 
 def not_shown(recordings: Sequence[Recording], model: Model) -> frozenset[str]:
-    """Effects that the recordings cannot show, because none holds a torque or all are of operating points.
+    """Effects that the recordings cannot show: none holds a torque, all are of operating points, or all turn on and on.
 
     The recordings are in the units of the ``model``, whose sensors say which points are at rest.
     """
     if all(map(of_encoders_alone, recordings)):
         return frozenset(id for id, effect in catalogue().items() if effect.depends_on != "encoders")
-    return _not_at_points(recordings, model)
+    endless = bool(recordings) and all(_turns_on(recording, model) for recording in recordings)
+    return _not_at_points(recordings, model) | (effects_with(Trait.WOUND_UP) if endless else frozenset())
+
+
+def _turns_on(recording: Recording, model: Model) -> bool:
+    """Whether an output makes turns one way and never comes back, as that of a fan does.
+
+    What grows with its travel then is what grows with time: no spring is wound up by whole turns in every recording. A
+    carriage makes no turns.
+    """
+    if recording.of_points or not recording.has("motor_position") or (model.units and model.units.radius is not None):
+        return False
+    turned = recording.signals["motor_position"] / (model.turn * model.value("machine.gear_ratio"))
+    turned = turned[np.isfinite(turned)]
+    on = abs(float(turned[-1] - turned[0])) if len(turned) else 0.0
+    return on > 2.0 and float(np.ptp(turned)) <= (1.0 + NEGLIGIBLE) * on
 
 
 def own_not_shown(recordings: Sequence[Recording], model: Model, without: Collection[str]) -> tuple[str, ...]:

@@ -25,7 +25,7 @@ from ..simulation.angle_origins import origins_of
 from ..simulation.operating_points import FEWEST as FEWEST_POINTS
 from ..simulation.operating_points import doubled, motion_at_points
 from ..simulation.sensor_noise import counter_noise
-from .bandwidth import narrowest
+from .bandwidth import narrowest, narrowest_of_speed
 from .observation import Observation
 from .row_noise import encoder_noise, rounding_noise, shaken, smallest_step, torque_noise
 from .sliding import moving_maximum
@@ -61,6 +61,10 @@ def observe(recording: Recording, model: Model, widest: float = math.inf, *, bri
     reading = max(counter_noise(model, "motor"), 0.0 if geared else reading_noise(signals["motor_position"]))
     if not geared and "speed" not in signals:
         width = narrowest(signals["motor_position"], period, reading, width, LEAST_PERIODS * period)
+    elif not geared:
+        smoothing = model.value("sensors.speed_smoothing")
+        read = max(model.value("sensors.speed_noise"), reading_noise(signals["speed"]))
+        width = narrowest_of_speed(signals["speed"], period, read, smoothing, width, LEAST_PERIODS * period)
     if bridging:
         width = max(width, min(usual_step(recording), widest))
     kernel = gaussian(width, period)

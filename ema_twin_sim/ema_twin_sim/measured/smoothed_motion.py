@@ -12,7 +12,7 @@ from ..model import Model
 from ..reading_noise import reading_noise
 from ..simulation.sensor_noise import counter_noise
 from ..simulation.twin import hold
-from .bandwidth import narrowest, narrowest_for_speed
+from .bandwidth import narrowest, narrowest_for_speed, slope
 from .smoothing import gaussian, smooth, smooth_way
 from .spoilt_samples import despiked
 
@@ -79,7 +79,7 @@ def smoothed_motion(
         smoothing = model.value("sensors.speed_smoothing")
         speed = smooth(signals["speed"], gaussian(period, period))
         speed += smoothing * smooth(signals["speed"], gaussian(period, period, 1))
-        exact = gaussian(width, period, 1) + smoothing * gaussian(width, period, 2)
+        exact = slope(width, period, smoothing)
         acceleration = smooth(signals["speed"], exact)
         travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * period)])
         angle = travelled + smooth(position - travelled, gaussian(COUNTER_PULL, period))

@@ -14,6 +14,7 @@ from ema_bench_replay.long_columns import divided, times
 from ema_bench_replay.recording import AT, AT_EITHER_SHAFT, Recording
 from ema_bench_replay.units import signal_unit, unit_in, units_of
 
+from ..measured.speed_lag import speed_lag
 from ..model.check_comment import ASSUMED, CHECK, REMEDIES, check_comment
 from ..model.constants import CONSTANTS
 from ..model.model_file import TORQUE_CONSTANT
@@ -33,7 +34,6 @@ from .shaft import (
     ratio_of_positions,
     whole_ratio,
 )
-from .speed_lag import speed_lag
 from .steps import is_decimal, smallest_step
 from .torque_constant import question_about, told_at_joint
 from .usual_counts import usual_counts

@@ -97,6 +97,18 @@ def late(short, change, interval):
 
 
 @njit(error_model="numpy")
+def lagged_acceleration(state, speed, interval, has_speed):
+    """Acceleration [rad/s²] after the first lag, which the ``speed`` has not passed yet: the lagged speed's rise.
+
+    Right at any interval: a lag's exact gain over a long one is far from interval over time constant.
+    """
+    if state.balance_ready == 0.0:
+        return 0.0
+    gain = lag_gain(interval, BALANCE_LAG if has_speed else COUNTER_LAG)
+    return gain * (speed - state.balance_speed_1) / interval
+
+
+@njit(error_model="numpy")
 def filtered_balance(state, torque, speed, inertia, interval, has_speed, smoothing):
     """Unexplained torque [N m] after one more sample; ``state`` carries the filters (``balance_*``).
 
@@ -187,9 +199,8 @@ def _unexplained(plant, state, effects, before, now, simulated_angle, interval, 
         return math.nan
     smoothing = plant.speed_smoothing
     current = now[CURRENT_IN]
+    acceleration = lagged_acceleration(state, speed, interval, has_speed)
     sharp = unsmoothed(speed, speed_before, interval, smoothing) if has_speed else counter_speed(state, speed, interval)
-    lag = BALANCE_LAG if has_speed else COUNTER_LAG
-    acceleration = (speed - state.balance_speed_1) / lag if state.balance_ready != 0.0 else 0.0
     travel = simulated_angle if math.isnan(position) else position
     sense = 1.0 if sharp > 0.0 else -1.0
     own = plant.output_inertia * acceleration + plant.output_viscous * sharp + plant.output_dry * sense

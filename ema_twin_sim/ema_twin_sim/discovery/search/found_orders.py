@@ -20,7 +20,7 @@ from ...plant.layout import OUTPUT_TORQUE
 from ...plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED
 from ..criteria.worth import FEWEST_CYCLES
 
-HIGHEST = 160
+HIGHEST = 400  # a torque motor of 22 pole pairs and 24 slots cogs 264 times a turn
 HIGHEST_OF_MOTOR = 24  # of the motor's encoder
 MOST = 3  # orders that are tried in a round
 FEWEST_TURNS = 0.4  # of the motor, for orders of few cycles in them
