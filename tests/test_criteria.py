@@ -27,6 +27,7 @@ METHOD = {
     "measured/spoilt_samples.py": "FEWEST TOLD ROUNDING NEIGHBOURS",
     "measured/switching_ripple.py": "_FINER",
     "measured/twist.py": "SMOOTHED FEWEST AT_ENDS",
+    "measured/observability.py": "ENDLESS",
     "measured/speed_lag.py": "_BLOCKS _FEWEST",
     "measured/way_by_speed.py": "WINDOW FEWEST",
     "identification/chance.py": "NEIGHBOURS EXPLAINED",
@@ -81,7 +82,7 @@ METHOD = {
     "discovery/left_over.py": "_BINS _FEWEST",
     "discovery/search/adding.py": "ENTRANTS SECOND_LOOKS NEXT_TO_NOTHING",
     "discovery/search/found_orders.py": (
-        "HIGHEST HIGHEST_OF_MOTOR MOST FEWEST_TURNS MANY_CYCLES SLOW LEAST_DIGITS MOST_DIGITS SAME"
+        "HIGHEST HIGHEST_UNGEARED HIGHEST_OF_MOTOR MOST FEWEST_TURNS MANY_CYCLES SLOW LEAST_DIGITS MOST_DIGITS SAME"
     ),
     "discovery/search/rivals.py": "SWAPS",
     "discovery/search/search_order.py": "MORE",

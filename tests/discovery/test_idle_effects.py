@@ -96,3 +96,10 @@ def test_backlash_that_leaves_more_than_it_removes_is_another_cause(each, stays)
     idle = idle_effects(searched("backlash", is_open=False), loop)
     assert idle == (((), False) if stays else (("backlash",), True))
     assert idle_effects(searched("backlash", is_open=False), replace(loop, moving=(20.0, 10.0))) == ((), False)
+
+
+def test_backlash_is_judged_by_what_was_there_when_it_came():
+    """Another effect had made the loop worse before."""
+    runs = tuple((f"run {k}", (20.0, 25.0, 17.0)) for k in range(3))
+    loop = replace(seen(20.0, 25.0, 17.0), signal="current", unit="A", recordings=runs)
+    assert idle_effects(searched("cogging", "backlash", is_open=False), loop) == ((), False)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from ema_twin_sim.measured.bandwidth import narrowest, narrowest_of_speed
+from ema_twin_sim.measured.bandwidth import narrowest, narrowest_of_speed, slope
+from ema_twin_sim.measured.smoothing import smooth
 
 PERIOD, WIDEST = 1e-3, 0.012
 COUNT = 2.0 * np.pi / 65536.0
@@ -36,3 +37,16 @@ def test_a_quiet_speed_needs_no_wide_kernel_and_a_noisy_one_does(smoothing):
     ]
     assert widths == sorted(widths) and widths[-1] == WIDEST
     assert widths[0] == pytest.approx(2.5 * PERIOD, rel=0.45)
+
+
+@pytest.mark.parametrize("held", [2, 10, 20])
+def test_a_speed_that_is_logged_more_often_than_it_changes_keeps_its_acceleration(held):
+    """Its stairs are no noise of single readings; a kernel narrower than a stair would see spikes."""
+    period = 1e-4
+    time = period * np.arange(20_000)
+    rate = 2.0 * np.pi * 3.0
+    speed = (4.0 * np.sin(rate * time) + np.random.default_rng(1).normal(0.0, 1e-4, len(time)))[::held].repeat(held)
+    found = narrowest_of_speed(speed, period, 1e-4, 0.0, 50.0 * period, 2.5 * period)
+    late = 0.5 * (held - 1) * period
+    off = smooth(speed, slope(found, period, 0.0)) - 4.0 * rate * np.cos(rate * (time - late))
+    assert np.std(off[1000:-1000]) < 0.05 * 4.0 * rate

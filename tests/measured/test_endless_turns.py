@@ -19,10 +19,11 @@ def recorded(output, stock):
     return Recording("run", np.rint(TIME * 1e9).astype(np.int64), signals)
 
 
-FAN = 5.0 * TIME + 0.3 * np.sin(TIME)
-RESTLESS = FAN + 0.05 * np.sin(40.0 * TIME)  # a little way back now and then
+FAN = 50.0 * TIME + 3.0 * np.sin(TIME)
+RESTLESS = FAN + 2.0 * np.sin(40.0 * TIME)  # a little way back now and then
 THERE_AND_BACK = 5.0 * np.minimum(TIME, TIME[-1] - TIME)
 WOUND_UP = 0.5 * TIME  # less than a turn, as in a torsion test
+SCREW = 12.0 * TIME  # of a valve, from end to end
 
 
 @pytest.mark.parametrize(
@@ -32,6 +33,7 @@ WOUND_UP = 0.5 * TIME  # less than a turn, as in a torsion test
         ((-FAN, RESTLESS), True),
         ((FAN, THERE_AND_BACK), False),
         ((WOUND_UP,), False),
+        ((SCREW, SCREW), False),
     ],
 )
 def test_no_spring_is_wound_up_without_end(stock, runs, hidden):

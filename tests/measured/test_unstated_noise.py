@@ -103,3 +103,28 @@ def test_what_an_output_encoder_adds_to_its_counts_is_taken(tmp_path, noise):
     )
     assert found.value("sensors.output_encoder_noise") == pytest.approx(noise, rel=0.1)
     assert ("output position" in told) == (noise > 0.0)
+
+
+@pytest.mark.parametrize(("motor_counts", "polled"), [(1000, 1), (1 << 20, 3)], ids=["a coarse motor", "read seldom"])
+def test_what_is_no_noise_of_the_output_encoder_is_not_taken(tmp_path, motor_counts, polled):
+    """The motor counter's own rounding, and what the motor turns between two readings of the output."""
+    sensors = "sensors: {output_encoder_counts: {value: 65536, unit: 1/rev}}\n"
+    model = load_model(hoist(tmp_path, sensors))
+    count, fine = 2.0 * np.pi / 2**16, 2.0 * np.pi / motor_counts
+    output = (count * np.rint(ANGLE / count))[::polled].repeat(polled)[: len(TIME)]
+    signals = {**recorded("current").signals, "motor_position": fine * np.rint(ANGLE / fine), "output_position": output}
+    found, told = with_noise_of([replace(recorded("current"), signals=signals)], model)
+    assert found.value("sensors.output_encoder_noise") == 0.0
+    assert "output position" not in told
+
+
+@pytest.mark.parametrize(("lags", "common"), [((0.05, 0.05), True), ((0.05, 0.0, 0.0), False), ((0.05, 0.2), False)])
+def test_a_smoothing_that_recordings_do_not_share_is_not_taken(tmp_path, lags, common):
+    runs = []
+    for lag in lags:
+        late, held = np.empty(len(TIME)), SPEED[0]
+        for k, speed in enumerate(SPEED):
+            late[k] = held = held + (1.0 - np.exp(-1e-2 / lag) if lag else 1.0) * (speed - held)
+        runs.append(replace(recorded("current"), signals={**recorded("current").signals, "speed": late}))
+    found, _ = with_noise_of(runs, load_model(hoist(tmp_path)))
+    assert (found.value("sensors.speed_smoothing") == pytest.approx(0.05, rel=0.2)) == common

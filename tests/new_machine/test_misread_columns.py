@@ -139,3 +139,30 @@ def test_what_the_drive_reports_is_preferred_to_what_a_controller_computed(names
     columns |= {f"{reported} [N m]": np.sin(angle), "joint pos [rad]": angle, "joint vel [rad/s]": speed}
     guesses = {guess.signal: guess.column for guess in guess_columns(list(columns)).signals}
     assert guesses["motor_torque"] == f"{reported} [N m]"
+
+
+@pytest.mark.parametrize(
+    ("columns", "signal", "column"),
+    [
+        (("current [A]", "torque [N m]", "calculated motor torque [N m]"), "motor_torque", "calculated motor torque"),
+        (("torque raw [N m]", "torque cal [N m]"), "motor_torque", "torque raw"),
+        (("valve torque [N m]", "position [rad]"), "motor_torque", "valve torque"),
+    ],
+)
+def test_words_of_a_part_or_a_calculation_say_nothing_of_other_quantities(columns, signal, column):
+    guesses = {guess.signal: guess for guess in guess_columns(["time [s]", *columns]).signals}
+    assert guesses[signal].column.startswith(column) and guesses[signal].shaft != "output"
+
+
+def test_a_pedal_that_a_driver_sets_is_not_the_output_of_a_throttle(tmp_path):
+    time = np.arange(3000) * 2e-3
+    throttle = np.sin(3.0 * time)
+    columns = {
+        "time [s]": time,
+        "pedal position [deg]": 20.0 * np.sin(1.1 * time) ** 3,
+        "throttle position [deg]": 40.0 * throttle,
+        "current [A]": throttle + np.sign(np.cos(3.0 * time)),
+    }
+    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
+    text = (tmp_path / "m_map.yaml").read_text()
+    assert "throttle position" in text and "# not used: pedal position [deg]" in text

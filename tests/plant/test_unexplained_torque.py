@@ -58,26 +58,46 @@ LAWS = {
 }
 
 
+TIME, TURN = np.arange(4000) * 1e-3, 4.0 * np.pi
+SPEED, ACCELERATION = 32.0 - 28.0 * np.cos(TURN * TIME), 28.0 * TURN * np.sin(TURN * TIME)
+ANGLE = 32.0 * TIME - 28.0 / TURN * np.sin(TURN * TIME)
+"""The machine turns forward, from 4 to 60 rad/s and back twice a second, so that what is left is no reversal."""
+
+
+def friction(stock, id, *sides):
+    """The sum of a friction's first parameter over both sides, or those named."""
+    held = [i for i in stock.active.values() if i.effect == id and i.options["side"] in (sides or ("motor", "output"))]
+    return sum(next(iter(i.parameters.values())) for i in held)
+
+
+def left_with(model, extra):
+    """What a model leaves of the stock machine with an ``extra`` torque (n,) [N m], told by its counter alone."""
+    inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
+    drive = inertia * ACCELERATION + friction(model, "viscous_friction") * SPEED + friction(model, "coulomb_friction")
+    signals = {"motor_position": ANGLE, "current": (drive + extra) / model.value("machine.torque_constant")}
+    bench = Recording("turning", np.rint(TIME * 1e9).astype(np.int64), signals)
+    return simulate(model, bench, "current").signals["unexplained_torque"][500:]
+
+
 @pytest.mark.parametrize("effect", LAWS)
 def test_a_counter_alone_delays_no_effect(stock, effect):
-    """Every torque passes the same filter, whether it follows the counter's speed, which has passed part of it, or not.
-
-    The machine turns forward, from 4 to 60 rad/s and back twice a second, so that what is left is no reversal.
-    """
+    """Every torque passes the same filter, whether it follows the counter's speed, which has passed a part, or not."""
     parameters, options, law = LAWS[effect]
-    time = np.arange(4000) * 1e-3
-    turn = 4.0 * np.pi
-    speed, acceleration = 32.0 - 28.0 * np.cos(turn * time), 28.0 * turn * np.sin(turn * time)
-    angle = 32.0 * time - 28.0 / turn * np.sin(turn * time)
-    inertia = sum(stock.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
-    dry = sum(i.parameters["torque"] for i in stock.active.values() if i.effect == "coulomb_friction")
-    viscous = sum(i.parameters["coefficient"] for i in stock.active.values() if i.effect == "viscous_friction")
-    extra = law(speed, acceleration, angle, viscous)
-    drive = inertia * acceleration + viscous * speed + dry + extra
-    signals = {"motor_position": angle, "current": drive / stock.value("machine.torque_constant")}
-    bench = Recording("turning", np.rint(time * 1e9).astype(np.int64), signals)
-    left = simulate(stock.with_effect(effect, parameters, options), bench, "current").signals["unexplained_torque"]
-    assert np.std(left[500:]) < 0.02 * np.std(extra)
+    extra = law(SPEED, ACCELERATION, ANGLE, friction(stock, "viscous_friction"))
+    left = left_with(stock.with_effect(effect, parameters, options), extra)
+    assert np.std(left) < 0.02 * np.std(extra)
+
+
+def test_friction_of_the_teeth_follows_a_load_without_delay(stock):
+    """A load over the shaft's angle passes the first lag, and so does the friction that it causes."""
+    order = 3.0 * stock.value("machine.gear_ratio")
+    model = stock.with_effect("constant_load", {"torque": 2.0})
+    model = model.with_effect("output_ripple", {"torque": 0.5, "phase": 0.0}, {"order": f"{order:g}"})
+    load = 2.0 + 0.5 * np.sin(3.0 * ANGLE)
+    own = model.value("machine.output_inertia") * ACCELERATION + friction(stock, "coulomb_friction", "output")
+    teeth = 0.3 * (own + friction(stock, "viscous_friction", "output") * SPEED + load)
+    left = left_with(model.with_effect("mesh_friction", {"coefficient": 0.3}), load + teeth)
+    assert np.std(left) < 0.02 * np.std(teeth)
 
 
 def speeding_up(model, period, *, signal):

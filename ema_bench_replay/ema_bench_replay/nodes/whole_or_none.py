@@ -23,8 +23,10 @@ def whole_or_none(node_class: SomeNode) -> SomeNode:
         try:
             construct(self, *arguments, **named)
         except BaseException:
-            if hasattr(self, "_type_description_service"):  # what rclpy's own constructor makes last
+            # what rclpy's own constructor makes last; a refused parent class has left already
+            if hasattr(self, "_type_description_service"):
                 Node.destroy_node(self)  # not the class's own, which may need what was not made
+                del self._type_description_service
             raise
 
     node_class.__init__ = constructed  # type: ignore[method-assign]

@@ -189,7 +189,7 @@ def discover(
     while idle:
         before = {*found.fit.hypothesis.added}
         shown_over = tuple(dict.fromkeys(shows_over(found, name) for name in idle))
-        fewer = less(found, idle, "most of the error of the simulated loop stays")
+        fewer = less(found, idle, "the simulation of held-out recordings does not support it")
         beside = judge(fewer)
         error_without = beside.moving[-1]
         if not fewer.fit.hypothesis.added:  # the given constants may do better than those fitted without effects

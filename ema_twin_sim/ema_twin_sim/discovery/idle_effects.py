@@ -42,7 +42,11 @@ def idle_effects(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]
         # A measured current drives no loop that would reach the teeth, and a hunting loop hides them: use the output.
         followed = unseen.output_removed(first, len(unseen.moving) - 1) >= PART
         in_loop = not real and unseen.signal != "unexplained_torque"
-        if parting and removed is not None and ((not followed and removed < PART) or (in_loop and unseen.mostly_left)):
+        if (
+            parting
+            and removed is not None
+            and ((not followed and removed < PART) or (in_loop and unseen.mostly_left(first)))
+        ):
             return parting, True
         there = unseen.removed(first, ended)
         if of_torque and there is not None and there <= 0.0:

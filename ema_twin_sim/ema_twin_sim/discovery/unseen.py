@@ -88,16 +88,16 @@ class Unseen:
         """Whether the end is clearly farther from the recordings than the start."""
         return self.moving[-1] > CLEARLY_MORE * max(self._decided(0), self.noise_floor)
 
-    @property
-    def mostly_left(self) -> bool:
-        """Whether more of the excess above the noise floor stayed than went, from the start to the end.
+    def mostly_left(self, before: int) -> bool:
+        """Whether more of the excess above the noise floor stayed than went, from a round to the end.
 
         In all recordings together, and in most of those that began with an excess: one with an impact may stay far off.
         """
-        together = self.removed(0, len(self.moving) - 1)
-        told = [values for _, values in self.recordings if values[0] > NOISY * self.noise_floor]
-        shares = [share_removed(values[0], values[-1], self.noise_floor) for values in told]
-        left = [share for share in shares if share is not None and share < 0.5]
+        together = self.removed(before, len(self.moving) - 1)
+        told = [values for _, values in self.recordings if values[before] > NOISY * self.noise_floor]
+        each = [share_removed(values[before], values[-1], self.noise_floor) for values in told]
+        shares = [share for share in each if share is not None]
+        left = [share for share in shares if share < 0.5]
         return together is not None and together < 0.5 and len(left) > 0.5 * len(shares)
 
     def removed(self, before: int, after: int) -> float | None:

@@ -25,7 +25,14 @@ def narrowest(position: np.ndarray, period: float, noise: float, widest: float, 
 def narrowest_of_speed(
     speed: np.ndarray, period: float, noise: float, smoothing: float, widest: float, least: float
 ) -> float:
-    """The same for the first derivative of a speed (n,) [rad/s] that a drive has smoothed by a lag [s]."""
+    """The same for the first derivative of a speed (n,) [rad/s] that a drive has smoothed by a lag [s].
+
+    Many drives log a speed more often than they compute it: the kernel spans as many periods of its changes as
+    ``least`` [s] spans samples. It is no less than a tenth of the widest, which multiplies the rows by ten.
+    """
+    changes = np.flatnonzero(np.diff(speed))
+    held = float(np.median(np.diff(changes))) if len(changes) > 1 else 1.0
+    least = max(held * least, SMALL * widest)
     allowed = NEGLIGIBLE * float(np.sqrt(np.mean(smooth(speed, slope(widest, period, smoothing)) ** 2)))
     width = widest
     while width * NARROWER >= least:

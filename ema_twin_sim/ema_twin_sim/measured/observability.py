@@ -17,6 +17,8 @@ from ..simulation.behind_motor import of_encoders_alone
 from ..simulation.operating_points import moves
 from .load_sensor import load_varies
 
+ENDLESS = 50.0
+"""Turns of an output, one way, that no spring follows."""
 PLACES = frozenset({"order", "output_position", "encoders"})
 """Quantities whose effects do not show if no position is known."""
 
@@ -35,15 +37,15 @@ def not_shown(recordings: Sequence[Recording], model: Model) -> frozenset[str]:
 def _turns_on(recording: Recording, model: Model) -> bool:
     """Whether an output makes turns one way and never comes back, as that of a fan does.
 
-    What grows with its travel then is what grows with time: no spring is wound up by whole turns in every recording. A
-    carriage makes no turns.
+    What grows with its travel then is what grows with time: no spring is wound up by so many turns in every recording,
+    not even that of a screw or a valve. A carriage makes no turns.
     """
     if recording.of_points or not recording.has("motor_position") or (model.units and model.units.radius is not None):
         return False
     turned = recording.signals["motor_position"] / (model.turn * model.value("machine.gear_ratio"))
     turned = turned[np.isfinite(turned)]
     on = abs(float(turned[-1] - turned[0])) if len(turned) else 0.0
-    return on > 2.0 and float(np.ptp(turned)) <= (1.0 + NEGLIGIBLE) * on
+    return on > ENDLESS and float(np.ptp(turned)) <= (1.0 + NEGLIGIBLE) * on
 
 
 def own_not_shown(recordings: Sequence[Recording], model: Model, without: Collection[str]) -> tuple[str, ...]:
@@ -63,7 +65,8 @@ def _not_at_points(recordings: Sequence[Recording], model: Model) -> frozenset[s
     if not all(recording.of_points for recording in recordings):
         return frozenset()
     hidden = effects_with(Trait.TRANSIENT) | effects_with(Trait.BY_CURRENT)
-    if any(recording.has("current") and load_varies(recording) for recording in recordings):
+    fed = [recording for recording in recordings if recording.has("current") and recording.signals["current"].any()]
+    if any(map(load_varies, fed)):
         hidden -= effects_with(Trait.TORQUE_FACTOR)  # the load sensor tells how much torque an ampere gives
     if not any(moves(recording, model.value("sensors.speed_noise")) for recording in recordings):
         hidden |= effects_with(Trait.NOT_AT_REST)

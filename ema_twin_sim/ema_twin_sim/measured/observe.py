@@ -184,11 +184,12 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
     count = len(motion)
     constant = model.value("machine.torque_constant")
     torque = constant * motion[:, MOTOR_CURRENT]
-    if np.ptp(motion[:, LOAD]) == 0.0:  # a load sensor beside it tells the torque of a motor without current
+    if not motion[:, [MOTOR_CURRENT, LOAD]].any():  # a load sensor tells the torque of a motor without current
         refuse_unchanging(recording, {"current": motion[:, MOTOR_CURRENT]}, model)
     largest = max(float(np.abs(torque).max()), float(np.abs(motion[:, LOAD]).max()))
     depended_on = [motion[:, column] for column in (MOTOR_ANGLE, SPEED, LOAD)]
     noise = model.value("sensors.current_noise") or noise_at_points(motion[:, MOTOR_CURRENT], depended_on)
+    read = constant * noise if torque.any() else noise_at_points(motion[:, LOAD], depended_on[:2])
     nowhere = np.zeros(0)
     motor_origin, output_origin = origins_of(recording, model)
     return Observation(
@@ -203,7 +204,7 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
         torque=torque,
         torque_rate=np.zeros(count),
         acceleration=np.zeros(count),
-        torque_noise=np.full(count, max(constant * noise, LEAST_NOISE * largest)),
+        torque_noise=np.full(count, max(read, LEAST_NOISE * largest)),
         torque_step=0.0,
         coarse=False,
         hit=np.zeros(2 * count),

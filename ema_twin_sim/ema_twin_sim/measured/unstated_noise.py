@@ -23,7 +23,9 @@ from ..model.matching import BY_TORQUE, matched
 from ..model.model import ConstantValue
 from ..model.model_file import ABSENT
 from ..quantities import quantity
-from ..reading_noise import noise_of_points, polled_noise
+from ..reading_noise import noise_of_points, polled_noise, reading_noise
+from ..simulation.sensor_noise import counter_noise
+from .row_noise import smallest_step
 from .speed_lag import speed_lag
 
 SMOOTHING = "sensors.speed_smoothing"
@@ -64,16 +66,26 @@ def with_noise_of(recordings: Sequence[Recording], model: Model) -> tuple[Model,
     if (read := _beyond_counts(found, model)) is not None:
         constants[OUTPUT_NOISE] = ConstantValue(read.counts, 0.05, _SOURCE)
         told.append(f"output position {quantity(read.noise, 'm' if model.motion == 'linear' else 'rad')}")
+    if constants[SMOOTHING].source == ABSENT and (lag := _common_lag(found)) is not None:
+        constants[SMOOTHING] = ConstantValue(lag, 0.05, _LAG_SOURCE)
+        told.append(f"smoothing of the speed {quantity(lag, 's')}")
     if not told:
         return model, ""
-    lags = [lag for recording in found if (lag := speed_lag(recording)) is not None]
-    if lags and constants[SMOOTHING].source == ABSENT and max(lags) <= CONSTANTS[SMOOTHING].upper:
-        constants[SMOOTHING] = ConstantValue(float(np.median(lags)), 0.05, _LAG_SOURCE)
-        told.append(f"smoothing of the speed {quantity(constants[SMOOTHING].value, 's')}")
     return replace(model, constants=constants), (
         f"model {model.name} states no noise of its sensors (`sensors:` in its file), so that of the recordings is "
         f"taken: {', '.join(told)}"
     )
+
+
+def _common_lag(recordings: Sequence[Recording]) -> float | None:
+    """The lag [s] of a drive's speed that most recordings show alike; None if they do not."""
+    both = [r for r in recordings if r.has("motor_position", "speed") and not r.of_points]
+    lags = [lag for recording in both if (lag := speed_lag(recording)) is not None]
+    if len(lags) <= len(both) / 2:
+        return None
+    common = float(np.median(lags))
+    alike = all(common / CLEARLY_MORE < lag < common * CLEARLY_MORE for lag in lags)
+    return common if alike and common <= CONSTANTS[SMOOTHING].upper else None
 
 
 class _Read(NamedTuple):
@@ -87,22 +99,26 @@ def _beyond_counts(recordings: Sequence[Recording], model: Model) -> _Read | Non
     """What an output encoder whose counts alone are stated adds to their rounding; None if it adds hardly anything.
 
     It is told by the difference of both encoders: an uneven clock moves both alike, and is no noise of either. Each
-    position counts from its first reading, which so much noise moves as far as backlash would.
+    position counts from its first reading, which so much noise moves as far as backlash would. Only new readings
+    count: between two of them, an encoder that is read less often than the motor's falls behind.
     """
     if model.constants[OUTPUT_COUNTS].source == ABSENT or model.constants[OUTPUT_NOISE].source != ABSENT:
         return None
     both = [r for r in recordings if r.has("motor_position", "output_position") and not r.of_points]
     ratio = model.value("machine.gear_ratio")
-    each = []
+    each, rounded = [], []
     for recording in both:
-        apart = recording.signals["output_position"] - recording.signals["motor_position"] / ratio
-        each.append(polled_noise(apart[np.isfinite(apart)]))
+        output = recording.signals["output_position"]
+        new = np.concatenate([[False], np.diff(output) != 0.0])
+        apart = (output - recording.signals["motor_position"] / ratio)[new]
+        each.append(reading_noise(apart[np.isfinite(apart)]))
+        rounded.append(smallest_step(recording.signals["motor_position"]) / (math.sqrt(12.0) * ratio))
     noise = math.sqrt(sum(one**2 for one in each) / len(each)) if each else 0.0
     count = model.turn / model.value(OUTPUT_COUNTS)
-    rounding = math.hypot(count, model.turn / (model.value("sensors.motor_encoder_counts") * ratio)) / math.sqrt(12.0)
-    if noise <= CLEARLY_MORE * rounding:
+    known = math.hypot(count / math.sqrt(12.0), max([counter_noise(model, "motor") / ratio, *rounded]))
+    if noise <= CLEARLY_MORE * known:
         return None
-    return _Read(noise, math.sqrt(noise**2 - rounding**2) / count)
+    return _Read(noise, math.sqrt(noise**2 - known**2) / count)
 
 
 def _noise(recordings: Sequence[Recording], name: str) -> float:

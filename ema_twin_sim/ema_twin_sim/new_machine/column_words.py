@@ -38,7 +38,8 @@ SETPOINT = (
     r"|^(set|ref|cmd|sp|des|star|goal|wanted|tgt)$"
 )
 ACTUAL = r"^(ist|act|actual|meas|measured|fb|feedback|mesuree?|misurat[ao]|medid[ao]|reale?)$|istwert|^ist"
-COMPUTED = r"^calc?$|^calculated$|^computed$|^berechnet"
+ESTIMATED = r"^est$|^estimate[ds]?$|^estimation$|^geschaetzt"
+COMPUTED = r"^calc$|^calculated$|^computed$|^berechnet"
 """Words for what a controller computed: taken only if nothing that the drive reports is there."""
 OUTPUT = (
     r"output|abtrieb|^load|^last(?!_)|^link|^joint|^arm(?!a)|^slow$|second|^out$|^(l|o|2)$|brake|bremse|dyno"

@@ -19,6 +19,7 @@ from .column_words import (
     ACTUAL,
     COMPUTED,
     DIRECT_OR_PHASE,
+    ESTIMATED,
     FEEDFORWARD,
     FILTERED,
     MOTOR,
@@ -69,9 +70,14 @@ def signal_column(read: HeaderWords) -> Column | None:
         return None
     desired = quantity in ("position", "speed") and "d" in words[1:]
     of_motor = has_word(words[1:], MOTOR) or has_word(words[:1], "motor|rotor")
-    moved = not has_word(words, MOTOR) and has_word(words, MOVED)
+    moved = quantity in ("position", "speed") and _is_of_what_is_moved(words)
     shaft = "output" if has_word(words, OUTPUT) or moved else "motor" if of_motor else ""
     return Column(read, quantity, desired or has_word(words, SETPOINT), has_word(words, ACTUAL), shaft)
+
+
+def _is_of_what_is_moved(words: Sequence[str]) -> bool:
+    """Whether a column's words name what a motor moves, and no shaft."""
+    return has_word(words, MOVED) and not (has_word(words, MOTOR) or has_word(words, OUTPUT))
 
 
 def _is_feedforward(words: Sequence[str]) -> bool:
@@ -98,8 +104,8 @@ def choose_signals(
     torques = sorted(
         of("torque"),
         key=lambda c: (
-            has_word(c.read.words, COMPUTED),
             c.shaft != "motor",
+            _is_computed(c, of("torque")),
             not _of_a_current(c, currents, numbers),
         ),
     )
@@ -121,6 +127,8 @@ def choose_signals(
         unsaid.sort(key=lambda c: (has_word(c.read.words, FILTERED), c in elsewhere, -travel(c.read, numbers)))
     take("motor_position", [*(c for c in positions if c.shaft == "motor"), *unsaid])
     if (motor := taken.get("motor_position")) is not None:
+        if motor in unsaid:  # a driver sets a pedal, which moves otherwise
+            outputs = [c for c in outputs if not _is_of_what_is_moved(c.read.words) or _of_one_train(motor, c, numbers)]
         beside = [c for c in unsaid if c is not motor and not has_word(c.read.words, FILTERED)]
         outputs += [c for c in beside if _of_one_train(motor, c, numbers)]
     take("output_position", outputs)
@@ -160,6 +168,12 @@ def _of_a_current(torque: Column, currents: Sequence[Column], numbers: Mapping[s
     if torque.name not in numbers:
         return False
     return any(exact_factor(numbers[c.name], numbers[torque.name]) is not None for c in currents if c.name in numbers)
+
+
+def _is_computed(torque: Column, torques: Sequence[Column]) -> bool:
+    """Whether a controller computed a torque. "cal" says so beside an estimate only: it may be a calibrated one."""
+    estimated = any(has_word(c.read.words, ESTIMATED) for c in torques if c is not torque)
+    return has_word(torque.read.words, COMPUTED) or ("cal" in torque.read.words and estimated)
 
 
 def _measured_behind(torque: Column) -> bool:

@@ -220,7 +220,11 @@ def _unexplained(plant, state, effects, before, now, simulated_angle, interval, 
         earlier = _point(plant, state, time - interval, past, before[CURRENT_IN], sharp, acceleration, transmitted)
         torque_before, dry_before, load_before, _ = evaluate(effects, earlier)
         if rigid:
-            torque_before += load_before + before[LOAD_IN] + _stopped(plant, state, past, sharp)
+            load_before += before[LOAD_IN] + _stopped(plant, state, past, sharp)
+            if load_before != load:  # friction of the teeth follows it
+                loaded = changed(earlier, own + load_before, earlier.dry_level)
+                torque_before, dry_before, _, _ = evaluate(effects, loaded)
+            torque_before += load_before
         change = torque + (load if rigid else 0.0) - torque_before
         if state.balance_ready != 0.0:
             state.balance_torque_late = late(state.balance_torque_late, change, interval)

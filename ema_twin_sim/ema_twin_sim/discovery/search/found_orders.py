@@ -20,7 +20,8 @@ from ...plant.layout import OUTPUT_TORQUE
 from ...plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED
 from ..criteria.worth import FEWEST_CYCLES
 
-HIGHEST = 400  # a torque motor of 22 pole pairs and 24 slots cogs 264 times a turn
+HIGHEST = 160
+HIGHEST_UNGEARED = 400  # a torque motor of 22 pole pairs and 24 slots cogs 264 times a turn
 HIGHEST_OF_MOTOR = 24  # of the motor's encoder
 MOST = 3  # orders that are tried in a round
 FEWEST_TURNS = 0.4  # of the motor, for orders of few cycles in them
@@ -185,7 +186,9 @@ def standing_out(problem: EquationErrorProblem, f: Fit, gear_ratio: float | None
     """
     at_output = gear_ratio is not None
     per_turn = gear_ratio or 1.0
-    power = np.zeros(HIGHEST + 1)
+    direct = not at_output and f.hypothesis.base.value("machine.gear_ratio") == 1.0
+    most = HIGHEST_UNGEARED if direct else HIGHEST
+    power = np.zeros(most + 1)
     for o, part in zip(problem.observations, problem.torque_parts, strict=True):
         angle = o.motor_origin + o.motion[o.rows, MOTOR_ANGLE]
         if at_output:
@@ -196,10 +199,10 @@ def standing_out(problem: EquationErrorProblem, f: Fit, gear_ratio: float | None
         lowest = 0.0 if turns >= FEWEST_TURNS else MANY_CYCLES / turns if turns > 0.0 else math.inf
         highest = highest_order(o) * per_turn
         residual = f.residual[part] - f.residual[part].mean()
-        for order, found in enumerate(_powers(residual, angle, HIGHEST), 1):
+        for order, found in enumerate(_powers(residual, angle, most), 1):
             if lowest < order < highest and not (at_output and (order == 1 or _is_whole(order / per_turn))):
                 power[order] += found
-    apart = 1.0 / min(max(_turns(problem) / per_turn, 1.0 / HIGHEST), 1.0)
+    apart = 1.0 / min(max(_turns(problem) / per_turn, 1.0 / most), 1.0)
     taken: list[int] = []
     for order in np.argsort(-power):
         if len(taken) == MOST or power[order] == 0.0:
