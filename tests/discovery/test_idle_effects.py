@@ -81,25 +81,26 @@ def test_backlash_that_removes_little_is_idle_with_known_constants_too():
 @pytest.mark.parametrize(
     ("each", "stays"),
     [
-        ((15.0, 15.0, 16.0), False),  # each by less than half: the shape is another's
-        ((15.0, 3.0, 3.0), True),  # one after an impact, which nobody follows
-        ((15.0, 16.0, 3.0), False),
-        ((15.0, 3.0), True),  # as many as not
-        ((1.1, 1.1, 3.0), True),  # those without an excess tell nothing
+        ((4.5, 4.5, 4.8), False),  # each by less than half: the shape is another's
+        ((4.5, 1.5, 1.5), True),
+        ((4.5, 4.8, 1.5), False),
+        ((4.5, 1.5), True),  # as many as not
+        ((1.1, 1.1, 1.5), True),  # those without an excess tell nothing
+        ((4.5, 30.0, 30.0), True),  # nor do those in which the loop hunts
     ],
 )
 def test_backlash_that_leaves_more_than_it_removes_is_another_cause(each, stays):
     """Play and a shaft that winds up look alike to slow encoders; the loop is shaken by each in its own way."""
-    begun = [1.2 if end < 2.0 else 20.0 for end in each]
+    begun = [1.2 if end < 1.4 else 40.0 if end > 20.0 else 6.0 for end in each]
     recordings = tuple((f"run {k}", (before, after)) for k, (before, after) in enumerate(zip(begun, each, strict=True)))
-    loop = replace(seen(20.0, 15.0), signal="current", unit="A", recordings=recordings)
+    loop = replace(seen(6.0, 4.8), signal="current", unit="A", recordings=recordings)
     idle = idle_effects(searched("backlash", is_open=False), loop)
     assert idle == (((), False) if stays else (("backlash",), True))
-    assert idle_effects(searched("backlash", is_open=False), replace(loop, moving=(20.0, 10.0))) == ((), False)
+    assert idle_effects(searched("backlash", is_open=False), replace(loop, moving=(6.0, 3.0))) == ((), False)
 
 
 def test_backlash_is_judged_by_what_was_there_when_it_came():
     """Another effect had made the loop worse before."""
-    runs = tuple((f"run {k}", (20.0, 25.0, 17.0)) for k in range(3))
-    loop = replace(seen(20.0, 25.0, 17.0), signal="current", unit="A", recordings=runs)
+    runs = tuple((f"run {k}", (6.0, 7.5, 5.0)) for k in range(3))
+    loop = replace(seen(6.0, 7.5, 5.0), signal="current", unit="A", recordings=runs)
     assert idle_effects(searched("cogging", "backlash", is_open=False), loop) == ((), False)

@@ -12,7 +12,7 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.beyond_noise import told_share
 from ..comparison.running_comparison import share_removed
-from ..criteria import CLEARLY_MORE, NOISY, STANDSTILL
+from ..criteria import CLEARLY_MORE, FAR_OUT, NOISY, STANDSTILL
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit, fit
 from ..identification.uncertainty import held_out
@@ -91,14 +91,15 @@ class Unseen:
     def mostly_left(self, before: int) -> bool:
         """Whether more of the excess above the noise floor stayed than went, from a round to the end.
 
-        In all recordings together, and in most of those that began with an excess: one with an impact may stay far off.
+        In all recordings together, and in most of those that began with an excess. Where the loop was far off it hunts
+        or hits the teeth, and stays far off with the right effects too: such a recording tells nothing.
         """
         together = self.removed(before, len(self.moving) - 1)
-        told = [values for _, values in self.recordings if values[before] > NOISY * self.noise_floor]
-        each = [share_removed(values[before], values[-1], self.noise_floor) for values in told]
-        shares = [share for share in each if share is not None]
-        left = [share for share in shares if share < 0.5]
-        return together is not None and together < 0.5 and len(left) > 0.5 * len(shares)
+        begun = [values for _, values in self.recordings if values[before] > NOISY * self.noise_floor]
+        close = [values for values in begun if values[before] < FAR_OUT * self.noise_floor]
+        shares = [share_removed(values[before], values[-1], self.noise_floor) for values in close]
+        left = [share for share in shares if share is not None and share < 0.5]
+        return together is not None and together < 0.5 and len(left) > 0.5 * len(begun)
 
     def removed(self, before: int, after: int) -> float | None:
         """Share of the excess above the noise floor that was removed between two rounds; None if there is no excess."""
