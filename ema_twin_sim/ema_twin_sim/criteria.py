@@ -26,8 +26,8 @@ APART = 6.0
 """From here on one recording belongs to another machine than the rest, or the encoders disagree. Beyond chance, since
 rows are correlated and models are not exact."""
 FAR_OUT = 8.0
-"""For a single row: chance does not reach it in millions of rows. A simulated loop whose error is as many times the noise
-does not follow the machine any more: it hunts, or hits the teeth at other times."""
+"""For a single row: chance does not reach it in millions of rows. A simulated loop whose error is as many times the
+noise does not follow the machine any more: it hunts, or hits the teeth at other times."""
 SPIKE = 12.0
 """For a single sample, in robust standard deviations: beyond it the sample is a transmission error. An impact of the
 teeth takes several samples."""
