@@ -72,15 +72,19 @@ def test_compare_prints_no_noise_of_zero(tmp_path):
     assert "states no noise of its sensors" in found.stderr and "0 N m" not in found.stdout.replace(".0 N m", "")
 
 
+def lagging(lag):
+    """The speed after a drive's filter with this time constant [s]."""
+    late, held = np.empty(len(TIME)), SPEED[0]
+    for k, speed in enumerate(SPEED):
+        late[k] = held = held + (1.0 - np.exp(-1e-2 / lag)) * (speed - held)
+    return late
+
+
 @pytest.mark.parametrize("lag", [0.02, 0.05])
 def test_the_smoothing_of_the_speed_is_taken_where_none_is_stated(tmp_path, lag):
     """A drive's filter makes the acceleration late; the inertia's torque would be missing where it changes."""
     run, model = recorded("current"), load_model(hoist(tmp_path))
-    late, held = np.empty(len(TIME)), SPEED[0]
-    share = 1.0 - np.exp(-1e-2 / lag)
-    for k, speed in enumerate(SPEED):
-        late[k] = held = held + share * (speed - held)
-    smoothed = replace(run, signals={**run.signals, "speed": late + RNG.normal(0.0, 2e-4, len(TIME))})
+    smoothed = replace(run, signals={**run.signals, "speed": lagging(lag) + RNG.normal(0.0, 2e-4, len(TIME))})
     found, told = with_noise_of([smoothed], model)
     assert found.value("sensors.speed_smoothing") == pytest.approx(lag, abs=0.01)
     assert "smoothing of the speed" in told
@@ -120,11 +124,7 @@ def test_what_is_no_noise_of_the_output_encoder_is_not_taken(tmp_path, motor_cou
 
 @pytest.mark.parametrize(("lags", "common"), [((0.05, 0.05), True), ((0.05, 0.0, 0.0), False), ((0.05, 0.2), False)])
 def test_a_smoothing_that_recordings_do_not_share_is_not_taken(tmp_path, lags, common):
-    runs = []
-    for lag in lags:
-        late, held = np.empty(len(TIME)), SPEED[0]
-        for k, speed in enumerate(SPEED):
-            late[k] = held = held + (1.0 - np.exp(-1e-2 / lag) if lag else 1.0) * (speed - held)
-        runs.append(replace(recorded("current"), signals={**recorded("current").signals, "speed": late}))
+    run = recorded("current")
+    runs = [replace(run, signals={**run.signals, "speed": lagging(lag) if lag else SPEED}) for lag in lags]
     found, _ = with_noise_of(runs, load_model(hoist(tmp_path)))
     assert (found.value("sensors.speed_smoothing") == pytest.approx(0.05, rel=0.2)) == common

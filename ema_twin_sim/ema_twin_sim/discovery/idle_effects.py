@@ -41,12 +41,9 @@ def idle_effects(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]
         removed = unseen.removed(first, len(unseen.moving) - 1)
         # A measured current drives no loop that would reach the teeth, and a hunting loop hides them: use the output.
         followed = unseen.output_removed(first, len(unseen.moving) - 1) >= PART
-        in_loop = not real and unseen.signal != "unexplained_torque"
-        if (
-            parting
-            and removed is not None
-            and ((not followed and removed < PART) or (in_loop and unseen.mostly_left(first)))
-        ):
+        little = removed is not None and removed < PART and not followed
+        another = not real and unseen.signal != "unexplained_torque" and unseen.mostly_left(first)
+        if parting and (little or another):
             return parting, True
         there = unseen.removed(first, ended)
         if of_torque and there is not None and there <= 0.0:

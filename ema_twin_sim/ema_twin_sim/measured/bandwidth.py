@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..criteria import NEGLIGIBLE, SMALL
@@ -16,10 +18,7 @@ def narrowest(position: np.ndarray, period: float, noise: float, widest: float, 
     ``noise`` [rad] is the standard deviation of one sample.
     """
     allowed = NEGLIGIBLE * float(np.sqrt(np.mean(smooth_way(position, gaussian(widest, period, 2)) ** 2)))
-    width = widest
-    while width * NARROWER >= least and noise * float(np.linalg.norm(gaussian(width * NARROWER, period, 2))) <= allowed:
-        width *= NARROWER
-    return width
+    return _narrowed(lambda width: gaussian(width, period, 2), noise, allowed, widest, least)
 
 
 def narrowest_of_speed(
@@ -32,14 +31,14 @@ def narrowest_of_speed(
     """
     changes = np.flatnonzero(np.diff(speed))
     held = float(np.median(np.diff(changes))) if len(changes) > 1 else 1.0
-    least = max(held * least, SMALL * widest)
     allowed = NEGLIGIBLE * float(np.sqrt(np.mean(smooth(speed, slope(widest, period, smoothing)) ** 2)))
-    width = widest
-    while width * NARROWER >= least:
-        if noise * float(np.linalg.norm(slope(width * NARROWER, period, smoothing))) > allowed:
-            break
-        width *= NARROWER
-    return width
+    least = max(held * least, SMALL * widest)
+    return _narrowed(lambda width: slope(width, period, smoothing), noise, allowed, widest, least)
+
+
+def narrowest_for_speed(period: float, noise: float, widest: float, least: float, standstill: float) -> float:
+    """Smallest width [s] whose first derivative gives the sign of a speed above ``standstill`` [rad/s]."""
+    return _narrowed(lambda width: gaussian(width, period, 1), noise, SMALL * standstill, widest, least)
 
 
 def slope(width: float, period: float, smoothing: float) -> np.ndarray:
@@ -47,11 +46,11 @@ def slope(width: float, period: float, smoothing: float) -> np.ndarray:
     return gaussian(width, period, 1) + smoothing * gaussian(width, period, 2)
 
 
-def narrowest_for_speed(period: float, noise: float, widest: float, least: float, standstill: float) -> float:
-    """Smallest width [s] whose first derivative gives the sign of a speed above ``standstill`` [rad/s]."""
+def _narrowed(
+    kernel: Callable[[float], np.ndarray], noise: float, allowed: float, widest: float, least: float
+) -> float:
+    """Smallest width [s] whose ``kernel`` leaves at most an ``allowed`` part of the ``noise`` of one sample."""
     width = widest
-    while width * NARROWER >= least:
-        if noise * float(np.linalg.norm(gaussian(width * NARROWER, period, 1))) > SMALL * standstill:
-            break
+    while width * NARROWER >= least and noise * float(np.linalg.norm(kernel(width * NARROWER))) <= allowed:
         width *= NARROWER
     return width

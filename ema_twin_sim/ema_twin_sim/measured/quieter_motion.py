@@ -20,6 +20,7 @@ from ..model import Model
 from ..model.matching import BY_SPEED, matched
 from ..reading_noise import reading_noise
 from ..simulation.sensor_noise import counter_noise
+from .row_noise import smallest_step
 from .smoothed_motion import LEAST_PERIODS
 from .smoothing import gaussian, smooth
 from .spoilt_samples import without_spoilt_motion
@@ -98,7 +99,7 @@ def _noise_and_acceleration(recording: Recording, model: Model) -> tuple[float, 
     if standing_position(recording) is not None:  # it is quiet, and shows nothing
         return None
     speeds, positions = (list(_stretches(recording.signals[name])) for name in ("speed", "motor_position"))
-    speed_noise = float(np.median([max(reading_noise(part), _rounding(part)) for part in speeds]))
+    speed_noise = float(np.median([max(reading_noise(part), smallest_step(part) / math.sqrt(12.0)) for part in speeds]))
     position_noise = max(counter_noise(model, "motor"), float(np.median([reading_noise(part) for part in positions])))
     period = recording.sample_period
     if not speed_noise > 0.0 or AS_QUIET * position_noise > MOST_PERIODS * period * speed_noise:
@@ -116,9 +117,3 @@ def _stretches(values: np.ndarray) -> Iterator[np.ndarray]:
     for start in (0,) if whole else np.linspace(0, len(values) - STRETCH, STRETCHES).astype(int):
         part = values if whole else values[start : start + STRETCH]
         yield part[np.isfinite(part)]
-
-
-def _rounding(values: np.ndarray) -> float:
-    """Standard deviation of the rounding of values (n,): of their smallest step."""
-    levels = np.unique(values)
-    return float(np.diff(levels).min()) / math.sqrt(12.0) if len(levels) > 1 else 0.0

@@ -28,8 +28,8 @@ from ..simulation.sensor_noise import counter_noise
 from .row_noise import smallest_step
 from .speed_lag import speed_lag
 
-SMOOTHING = "sensors.speed_smoothing"
-OUTPUT_COUNTS, OUTPUT_NOISE = "sensors.output_encoder_counts", "sensors.output_encoder_noise"
+_SMOOTHING = "sensors.speed_smoothing"
+_OUTPUT_COUNTS, _OUTPUT_NOISE = "sensors.output_encoder_counts", "sensors.output_encoder_noise"
 _SOURCE = "third differences of the recordings"
 _LAG_SOURCE = "lag of the speed behind the position"
 
@@ -64,10 +64,10 @@ def with_noise_of(recordings: Sequence[Recording], model: Model) -> tuple[Model,
             unit, signal = unit.replace("N m", "N").replace("rad", "m"), signal.replace("torque", "force")
         told.append(f"{signal} {quantity(said, unit)}")
     if (read := _beyond_counts(found, model)) is not None:
-        constants[OUTPUT_NOISE] = ConstantValue(read.counts, 0.05, _SOURCE)
+        constants[_OUTPUT_NOISE] = ConstantValue(read.counts, 0.05, _SOURCE)
         told.append(f"output position {quantity(read.noise, 'm' if model.motion == 'linear' else 'rad')}")
-    if constants[SMOOTHING].source == ABSENT and (lag := _common_lag(found)) is not None:
-        constants[SMOOTHING] = ConstantValue(lag, 0.05, _LAG_SOURCE)
+    if constants[_SMOOTHING].source == ABSENT and (lag := _common_lag(found)) is not None:
+        constants[_SMOOTHING] = ConstantValue(lag, 0.05, _LAG_SOURCE)
         told.append(f"smoothing of the speed {quantity(lag, 's')}")
     if not told:
         return model, ""
@@ -85,7 +85,7 @@ def _common_lag(recordings: Sequence[Recording]) -> float | None:
         return None
     common = float(np.median(lags))
     alike = all(common / CLEARLY_MORE < lag < common * CLEARLY_MORE for lag in lags)
-    return common if alike and common <= CONSTANTS[SMOOTHING].upper else None
+    return common if alike and common <= CONSTANTS[_SMOOTHING].upper else None
 
 
 class _Read(NamedTuple):
@@ -102,7 +102,7 @@ def _beyond_counts(recordings: Sequence[Recording], model: Model) -> _Read | Non
     position counts from its first reading, which so much noise moves as far as backlash would. Only new readings
     count: between two of them, an encoder that is read less often than the motor's falls behind.
     """
-    if model.constants[OUTPUT_COUNTS].source == ABSENT or model.constants[OUTPUT_NOISE].source != ABSENT:
+    if model.constants[_OUTPUT_COUNTS].source == ABSENT or model.constants[_OUTPUT_NOISE].source != ABSENT:
         return None
     both = [r for r in recordings if r.has("motor_position", "output_position") and not r.of_points]
     ratio = model.value("machine.gear_ratio")
@@ -113,8 +113,8 @@ def _beyond_counts(recordings: Sequence[Recording], model: Model) -> _Read | Non
         apart = (output - recording.signals["motor_position"] / ratio)[new]
         each.append(reading_noise(apart[np.isfinite(apart)]))
         rounded.append(smallest_step(recording.signals["motor_position"]) / (math.sqrt(12.0) * ratio))
-    noise = math.sqrt(sum(one**2 for one in each) / len(each)) if each else 0.0
-    count = model.turn / model.value(OUTPUT_COUNTS)
+    noise = _pooled(each)
+    count = model.turn / model.value(_OUTPUT_COUNTS)
     known = math.hypot(count / math.sqrt(12.0), max([counter_noise(model, "motor") / ratio, *rounded]))
     if noise <= CLEARLY_MORE * known:
         return None
@@ -123,7 +123,10 @@ def _beyond_counts(recordings: Sequence[Recording], model: Model) -> _Read | Non
 
 def _noise(recordings: Sequence[Recording], name: str) -> float:
     """The noise of a signal's readings, pooled over the recordings; zero if none has it."""
-    each = [_reading(recording, name) for recording in recordings if recording.has(name)]
+    return _pooled([_reading(recording, name) for recording in recordings if recording.has(name)])
+
+
+def _pooled(each: Sequence[float]) -> float:
     return math.sqrt(sum(noise**2 for noise in each) / len(each)) if each else 0.0
 
 

@@ -39,6 +39,7 @@ SETPOINT = (
 )
 ACTUAL = r"^(ist|act|actual|meas|measured|fb|feedback|mesuree?|misurat[ao]|medid[ao]|reale?)$|istwert|^ist"
 ESTIMATED = r"^est$|^estimate[ds]?$|^estimation$|^geschaetzt"
+"""Words for what the drive estimates, mostly from its currents."""
 COMPUTED = r"^calc$|^calculated$|^computed$|^berechnet"
 """Words for what a controller computed: taken only if nothing that the drive reports is there."""
 OUTPUT = (

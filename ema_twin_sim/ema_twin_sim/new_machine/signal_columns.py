@@ -101,13 +101,9 @@ def choose_signals(
 
     take("temperature", of("temperature"))
     currents = of("current")
+    told = of("torque")
     torques = sorted(
-        of("torque"),
-        key=lambda c: (
-            c.shaft != "motor",
-            _is_computed(c, of("torque")),
-            not _of_a_current(c, currents, numbers),
-        ),
+        told, key=lambda c: (c.shaft != "motor", _is_computed(c, told), not _of_a_current(c, currents, numbers))
     )
     behind = [c for c in torques if c.shaft == "output" or (c.shaft == "" and currents and _measured_behind(c))]
     take("motor_torque", [c for c in torques if c not in behind])

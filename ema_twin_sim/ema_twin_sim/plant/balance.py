@@ -207,6 +207,7 @@ def _unexplained(plant, state, effects, before, now, simulated_angle, interval, 
     at = _point(plant, state, time, travel, current, sharp, acceleration, own)
     torque, dry, load, thinned = evaluate(effects, at)
     load += now[LOAD_IN] + _stopped(plant, state, travel, sharp)
+    total_dry = plant.motor_dry + plant.output_dry
     rigid = plant.two_inertia == 0.0
     transmitted = own + load if rigid else driven_output(plant, state, sharp, travel, load, interval, step)
     if transmitted != own:
@@ -236,7 +237,7 @@ def _unexplained(plant, state, effects, before, now, simulated_angle, interval, 
         passed = 0.0
         viscous = plant.motor_viscous + plant.output_viscous
         inertia = plant.motor_inertia + plant.output_inertia
-        base_dry = plant.motor_dry + plant.output_dry
+        base_dry = total_dry
         break_away = plant.motor_break_away + plant.output_break_away
     else:
         passed = transmitted
@@ -254,7 +255,6 @@ def _unexplained(plant, state, effects, before, now, simulated_angle, interval, 
         state.driven_bristle, plant.bristle_stiffness * share, plant.bristle_damping * share, interval,
     )  # fmt: skip
     passed = passed + uneven + bent
-    total_dry = plant.motor_dry + plant.output_dry
     standstill = min(STANDSTILL * math.sqrt(total_dry / (plant.motor_inertia + plant.output_inertia)), MOST_STANDSTILL)
     unbalanced = unbalanced_torque(driving - passed, sharp, viscous, dry, break_away, standstill)
     return filtered_balance(state, unbalanced, speed, inertia, interval, has_speed, smoothing)
