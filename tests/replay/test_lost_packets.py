@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+import rclpy
 
 from ema_bench_replay.nodes import qos
 from ema_bench_replay.nodes.keep_all_publisher import KeepAllPublisher
@@ -69,6 +70,8 @@ finally:
     reader.wait()
     graph.close()
 """
+UNTAKEN = 500
+"""Samples that a reader holds for its node: see loopback.xml."""
 TOLD = 0.02
 """s between two times that a sender tells what it has sent: see loopback.xml."""
 ASKED_AT_ONCE = 256
@@ -111,6 +114,18 @@ def send(publisher, count):
 def wait_for_last(reader, publisher):
     while int(reader.stdout.readline()) < publisher.sent - 1:
         pass
+
+
+def test_a_reader_that_stands_still_holds_few_samples(graph):
+    """A full store is searched for every sample that is asked for again: a large one keeps a late reader late."""
+    publisher = KeepAllPublisher(graph.plain_node("writer"), EmaState, "/stream", qos.STATE)
+    reader = rclpy.create_node("reader", context=graph.context)  # nobody serves it
+    reader.create_subscription(EmaState, "/stream", lambda message: None, qos.STATE, raw=True)
+    graph.spin_until(lambda: publisher.readers == 1)
+    while publisher.try_send(write_state(publisher.sent * 1_000_000, 1, publisher.sent, {})):
+        assert publisher.sent <= HISTORY + UNTAKEN
+    assert publisher.sent > HISTORY
+    reader.destroy_node()
 
 
 @pytest.mark.slow
