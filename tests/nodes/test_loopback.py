@@ -87,7 +87,9 @@ class TestProfileThatIsNotTaken:
     def test_one_that_is_not_there(self, what, tmp_path):
         self.is_refused(tmp_path / "none.xml", what)
 
-    @pytest.mark.parametrize("part", ["interfaceWhiteList", "leaseDuration", "heartbeatPeriod", "max_samples", "</profiles>"])
+    @pytest.mark.parametrize(
+        "part", ["interfaceWhiteList", "leaseDuration", "heartbeatPeriod", "max_samples", "</profiles>"]
+    )
     def test_a_fault_in_any_line(self, part, tmp_path):
         assert part in LOOPBACK.read_text()
         (tmp_path / "faulty.xml").write_text(LOOPBACK.read_text().replace(part, part.swapcase()))
