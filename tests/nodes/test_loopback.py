@@ -88,7 +88,8 @@ class TestProfileThatIsNotTaken:
         self.is_refused(tmp_path / "none.xml", what)
 
     @pytest.mark.parametrize(
-        "part", ["interfaceWhiteList", "leaseDuration", "heartbeatPeriod", "max_samples", "</profiles>"]
+        "part",
+        ["intraprocess", "interfaceWhiteList", "leaseDuration", "heartbeatPeriod", "max_samples", "</profiles>"],
     )
     def test_a_fault_in_any_line(self, part, tmp_path):
         assert part in LOOPBACK.read_text()

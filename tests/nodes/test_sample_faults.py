@@ -51,7 +51,10 @@ def test_lost_late_duplicate_and_backward_samples_are_counted_and_shown(graph):
 
 
 def test_no_message_ends_a_node_and_what_was_wrong_is_told(graph):
-    """Bytes that are no state, infinite and absurd values: left out of all statistics, counted, and the run goes on."""
+    """Bytes that are no state, infinite and absurd values: left out of all statistics, counted, and the run goes on.
+
+    A message without any byte is not among them: Fast DDS asks for it over and over, and delivers nothing behind it.
+    """
     twin = graph.add(TwinNode)
     monitor = graph.add(MonitorNode)
     tester = graph.plain_node()
@@ -65,7 +68,7 @@ def test_no_message_ends_a_node_and_what_was_wrong_is_told(graph):
     }
     for sequence in range(20):
         if sequence == 10:
-            for bytes_ in (b"\0\1\0\0", b"", b"\7", b"\0\1\0\0" + b"\xff" * 60):
+            for bytes_ in (b"\0\1\0\0", b"\7", b"\0\1\0\0" + b"\xff" * 60):
                 publisher.publish(bytes_)
         signals = bench_signals() | spoilt.get(sequence, {})
         publisher.publish(write_state(10**9 + sequence * PERIOD, 1, sequence, signals))

@@ -9,7 +9,7 @@ import rclpy
 
 from ema_bench_replay.nodes import qos
 from ema_bench_replay.nodes.keep_all_publisher import KeepAllPublisher
-from ema_bench_replay.nodes.sample_codec import write_state
+from ema_bench_replay.nodes.sample_codec import read_state, write_state
 from ema_twin_msgs.msg import EmaState
 from tests.bench_processes import HISTORY
 from tests.namespaces import ALONE, needs_own_network
@@ -126,6 +126,18 @@ def test_a_reader_that_stands_still_holds_few_samples(graph):
         assert publisher.sent <= HISTORY + UNTAKEN
     assert publisher.sent > HISTORY
     reader.destroy_node()
+
+
+def test_what_a_full_reader_refused_comes_once_it_is_served(graph):
+    """Within a process as well, where the sender has nothing more to send."""
+    publisher = KeepAllPublisher(graph.plain_node("writer"), EmaState, "/stream", qos.STATE)
+    heard = []
+    reader = graph.plain_node("reader")
+    reader.create_subscription(EmaState, "/stream", lambda m: heard.append(read_state(m).sequence), qos.STATE, raw=True)
+    graph.spin_until(lambda: publisher.readers == 1)
+    send(publisher, 5 * UNTAKEN)
+    graph.spin_until(lambda: len(heard) == 5 * UNTAKEN)
+    assert heard == [*range(5 * UNTAKEN)]
 
 
 @pytest.mark.slow
