@@ -40,6 +40,12 @@ def _inertia(plant, harmonics, bursts, values, options, random, seconds):
     plant["output_inertia"] += values["inertia"]
 
 
+def _stribeck(plant, harmonics, bursts, values, options, random, seconds):
+    plant["stribeck_level"] = values["torque"]
+    plant["stribeck_speed"] = values["speed"]
+    plant["stribeck_is_gaussian"] = options.get("law", "exponential") == "gaussian"
+
+
 def _presliding(plant, harmonics, bursts, values, options, random, seconds):
     plant["bristle_stiffness"] = values["stiffness"]
     plant["bristle_damping"] = values["damping"]
@@ -119,7 +125,7 @@ UNKNOWN: dict[str, Callable[..., None]] = {
 HIDE: dict[str, Callable[..., None]] = {
     "viscous_friction": _nothing,
     "coulomb_friction": _nothing,
-    "stribeck_friction": _adds(stribeck_level="torque", stribeck_speed="speed"),
+    "stribeck_friction": _stribeck,
     "asymmetric_friction": _adds(asymmetry="fraction"),
     "presliding_friction": _presliding,
     "quadratic_drag": _adds(drag="coefficient"),

@@ -47,6 +47,7 @@ PLANT = np.dtype(
             "elastic_share",  # share of the bristle's travel that springs back wholly; below 0: a plain LuGre bristle
             "stribeck_level",
             "stribeck_speed",
+            "stribeck_is_gaussian",
             "asymmetry",
             "mesh_coefficient",
             "drag",  # N m s2/rad2

@@ -198,7 +198,8 @@ def run(plants, harmonics, bursts, command, speed_noise, cycle, samples, held, s
             level += bursts[burst, 2]
         pace = abs(speed)
         if p.stribeck_level != 0.0:
-            level += p.stribeck_level * math.exp(-pace / p.stribeck_speed)
+            share = pace / p.stribeck_speed
+            level += p.stribeck_level * math.exp(-share * share if p.stribeck_is_gaussian != 0.0 else -share)
         if p.bump_level != 0.0:
             level += p.bump_level * math.exp(-(((pace - p.bump_speed) / p.bump_width) ** 2))
         level += p.mesh_coefficient * abs(passed)

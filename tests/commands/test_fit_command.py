@@ -75,7 +75,7 @@ def test_the_command_writes_what_the_design_lists(fitted):
     content = json.loads((fitted[0] / "fit.json").read_text())
     assert content["method"] == "equation"
     entry = content["parameters"]["stribeck_friction"]
-    assert entry["effect"] == "stribeck_friction" and entry["options"] == {}
+    assert (entry["effect"], entry["options"]) == ("stribeck_friction", {"law": "exponential"})
     assert entry["speed"]["unit"] == "rad/s" and entry["speed"]["std"] > 0.0
     assert set(content["constants"]["machine"]["motor_inertia"]) == {"value", "std", "unit", "nominal"}
     for warning in content["warnings"]:

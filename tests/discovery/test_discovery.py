@@ -74,7 +74,8 @@ def test_nothing_is_named_where_nothing_is_hidden(plain, stock):
 @pytest.mark.parametrize(
     ("id", "parameters", "options"),
     [
-        ("stribeck_friction", {"torque": 0.06, "speed": 1.5}, {}),
+        ("stribeck_friction", {"torque": 0.06, "speed": 1.5}, {"law": "exponential"}),
+        ("stribeck_friction", {"torque": 0.06, "speed": 1.5}, {"law": "gaussian"}),
         ("gravity_load", {"torque": 0.05, "angle": 0.7}, {}),
         ("thermal_friction", {"fraction": 0.3, "time_constant": 4.0}, {}),
         ("sun_runout", {"torque": 0.02, "phase": 1.0}, {"kind": "dissipative"}),

@@ -6,6 +6,7 @@ import pytest
 from ema_twin_sim.discovery.criteria.explained import apart
 from ema_twin_sim.discovery.criteria.own_shape import by_own_shape, only_teeth, parts_the_encoders
 from ema_twin_sim.discovery.search.adding import settle
+from ema_twin_sim.effects import catalogue
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.generic_bases import beside_generic_bases
@@ -19,7 +20,9 @@ RUNS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")
 def standing(recordings, model, effect, parameters):
     """The effects that stand where one is fitted to the recordings."""
     problem = EquationErrorProblem(observe_all(recordings, model))
-    f = settle(fit(problem, null_hypothesis(model).with_effect(effect, {}, parameters), 20))
+    f = settle(
+        fit(problem, null_hypothesis(model).with_effect(effect, catalogue()[effect].default_options(), parameters), 20)
+    )
     return by_own_shape(beside_generic_bases(f.problem, f), f)
 
 

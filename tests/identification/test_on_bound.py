@@ -33,7 +33,8 @@ def stribeck_seen(stock, speed, command):
     effect = {"torque": 0.2, "speed": speed}
     run = virtual_bench(stock.with_effect("stribeck_friction", effect), parse_command(command), 10.0, seed=1)
     problem = EquationErrorProblem([observe(run, stock)])
-    found = fit(problem, null_hypothesis(stock).with_effect("stribeck_friction", {}, {**effect, "speed": 1.0}), 20)
+    start = {**effect, "speed": 1.0}
+    found = fit(problem, null_hypothesis(stock).with_effect("stribeck_friction", {"law": "exponential"}, start), 20)
     return on_bounds(problem, found, standard_errors(problem, found)), problem
 
 

@@ -49,7 +49,7 @@ def worn(recordings, share, stock, seed=5, asymmetry=0.0):
 def ended_beside_play(recordings, stock):
     """What is left, once wandering is asked for, of play and a Stribeck friction that were fitted to recordings."""
     h = null_hypothesis(stock).with_effect("backlash", {}, {"width": 0.003})
-    h = h.with_effect("stribeck_friction", {}, {"torque": 0.05, "speed": 2.0})
+    h = h.with_effect("stribeck_friction", {"law": "exponential"}, {"torque": 0.05, "speed": 2.0})
     f = settle(fit(EquationErrorProblem(observe_all(recordings, stock)), h, 20))
     found = less_what_wandering_explains(Search(f, ()), lambda text: None)
     return set(found.fit.hypothesis.effects)

@@ -128,10 +128,11 @@ class Effect:
 
     ``depends_on`` is the one of QUANTITIES over which it is most visible, or empty. ``free_option`` is an option that
     accepts any positive number; its choices are searched on every machine, or, if not ``searched``, only if the
-    recordings show them. An effect that ``every_machine`` has is preferred, if the model lacks it, to one that explains
-    hardly more. ``shown_by`` is the motion to record to make it visible. An ``electrical`` effect needs the motor's
-    pole pairs. One that ``delays`` uses the encoder's memory. Rules ask for ``traits``; ``told_by`` says what else
-    would determine its size if no motion does.
+    recordings show them. ``law`` is an option that chooses the form of the equation, of which a machine follows one. An
+    effect that ``every_machine`` has is preferred, if the model lacks it, to one that explains hardly more.
+    ``shown_by`` is the motion to record to make it visible. An ``electrical`` effect needs the motor's pole pairs. One
+    that ``delays`` uses the encoder's memory. Rules ask for ``traits``; ``told_by`` says what else would determine its
+    size if no motion does.
     """
 
     id: str
@@ -152,6 +153,7 @@ class Effect:
     repeatable: bool = True
     delays: bool = False
     free_option: str = ""
+    law: str = ""
     searched: bool = True
     every_machine: bool = False
     implausible: tuple[Implausible, ...] = ()

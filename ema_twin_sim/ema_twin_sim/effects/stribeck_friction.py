@@ -1,23 +1,26 @@
-"""Stribeck friction: a dry level torque * exp(-|w| / speed) [N m], which fades as a film builds up; also at rest.
+"""Stribeck friction: a dry level torque * exp(-(|w| / speed)^n) [N m], which fades as a film builds up; also at rest.
 
-The exponential form of Bo and Pavelescu (1982) with exponent one, as in Armstrong-Helouvry, Dupont and Canudas de Wit,
-"A survey of models, analysis tools and compensation methods for the control of machines with friction" (1994).
+Bo and Pavelescu (1982). The law is exponential, n = 1, or Gaussian, n = 2, as in Armstrong-Helouvry, Dupont and Canudas
+de Wit, "A survey of models, analysis tools and compensation methods for the control of machines with friction" (1994).
 """
 
 import math
 
 from .effect import DRY_LEVEL, POSITIVE, Effect, Implausible, Parameter, Trait
 
+EXPONENTS = {"exponential": 1.0, "gaussian": 2.0}
+
 
 def act(at, p):
     """Dry level [N m] at the motor's speed."""
-    return p[0] * math.exp(-abs(at.motor_speed) / p[1])
+    share = abs(at.motor_speed) / p[1]
+    return p[0] * math.exp(-share * share if p[2] == 2.0 else -share)
 
 
 EFFECT = Effect(
     id="stribeck_friction",
     summary="extra dry friction at low speed, before a lubricant film carries",
-    equation="L = torque · exp(−|ω| / speed)",
+    equation="L = torque · exp(−(|ω| / speed)ⁿ), n = 1 (exponential) or 2 (gaussian)",
     depends_on="speed",
     signature="current error at low speed only, against the motion, gone above a few times the Stribeck speed",
     shown_by="slow ramps, down to a tenth of the speeds of these",
@@ -35,6 +38,9 @@ EFFECT = Effect(
             driven=True,
         ),
     ),
+    options={"law": ("exponential", "gaussian")},
+    law="law",
+    option_value=lambda options: EXPONENTS[options["law"]],
     act=act,
     place=DRY_LEVEL,
     traits=(Trait.NOT_AT_REST,),

@@ -40,6 +40,8 @@ def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Can
         if effect.depends_on == "acceleration" and Trait.LIKE_A_CONSTANT in effect.traits and h.inertia_is_open:
             continue  # the same number twice
         added = [dict(instance.options) for instance in h.added.values() if instance.effect == id]
+        if effect.law and added:
+            continue  # under another law it would be the same friction twice
         for choice in itertools.product(*effect.options.values()):
             options = dict(zip(effect.options, choice, strict=True))
             # a rigid drivetrain does not distinguish the sides

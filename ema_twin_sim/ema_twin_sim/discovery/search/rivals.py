@@ -18,6 +18,7 @@ from ...identification.screening import screen
 from ...identification.separation import beside_its_wander, encoders_tell_apart, separation
 from ...identification.unseen_encoders import parting_where_unseen
 from ...model.roles import PLAY
+from ..criteria.plausible import insignificant
 from ..criteria.worth import ENCODER_ONLY, is_lacked, largest_rms_reduction, penalised_gain
 from .adding import add_effects, prune, with_screened
 from .trace import BEATEN, SIMPLER, UNCERTAIN, Round, Search, Trial, new_names
@@ -68,6 +69,7 @@ def _with_a_rival(found: Search, rivals: Iterable[Rivalry], *, beside_unknown: b
         if rivalry.behind <= -_needed(found, rivalry)
         and not _farther(found.fit, rivalry.fits[0])
         and not (beside_unknown and _hardly_differ(_Leader(rivalry.fits[0]), found.fit, rivalry.effect))
+        and _lasts(found.fit, rivalry.fits[0])
     ]
     for rivalry in sorted(beaten, key=lambda rivalry: rivalry.behind):
         other = swapped(found, rivalry.fits[0])
@@ -79,6 +81,11 @@ def _with_a_rival(found: Search, rivals: Iterable[Rivalry], *, beside_unknown: b
             if {*new_names(found.fit, rival)} <= {*other.fit.hypothesis.added}:
                 return other
     return None
+
+
+def _lasts(best: Fit, rival: Fit) -> bool:
+    """Whether what a rival has instead would not be removed again at once: its numbers are certain, and a machine's."""
+    return insignificant(rival.problem, rival) not in new_names(best, rival)
 
 
 def _needed(found: Search, rivalry: Rivalry) -> float:

@@ -32,6 +32,7 @@ from ..criteria.worth import (
     complexity_penalty,
 )
 from .adding import add_effects, add_structure, added_and_removed, beside_impacts, settle
+from .laws import under_best_laws
 from .removing import significant
 from .restarts import Restarts
 from .trace import Round, Search
@@ -91,7 +92,7 @@ def search(
     current, rounds = _add_effects_or_wander(asked, begun, [], may_wander)
     if parts:
         current, rounds = _beside_encoders(asked, current, rounds, may_wander)
-    return significant(Search(current, tuple(rounds)))
+    return significant(under_best_laws(Search(current, tuple(rounds))))
 
 
 def _misleading(null: Hypothesis) -> frozenset[str]:

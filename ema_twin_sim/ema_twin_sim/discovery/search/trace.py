@@ -83,11 +83,15 @@ class Search:
         same = last is not None and {*last.after.hypothesis.added, *last.after.hypothesis.generic_bases} == held
         return last if same else None
 
-    def with_numbers(self, fit: Fit) -> Search:
-        """The search with other numbers for the same effects at its end."""
+    def refitted(self, fit: Fit) -> Search:
+        """The search with another fit of the same effects at its end."""
         last = self.changes[-1]
         rounds = tuple(replace(turn, after=fit) if turn is last else turn for turn in self.rounds)
-        return replace(self, fit=fit, rounds=rounds, loosest=self.free_fit)
+        return replace(self, fit=fit, rounds=rounds)
+
+    def with_numbers(self, fit: Fit) -> Search:
+        """The search with other numbers for the same effects at its end, which the data do not ask for."""
+        return replace(self.refitted(fit), loosest=self.free_fit)
 
     @property
     def free_fit(self) -> Fit:

@@ -1,0 +1,46 @@
+"""An effect ends under that law of its equation that explains most, and is never there under two."""
+
+import pytest
+
+from ema_twin_sim.discovery.search.adding import settle, trial_of
+from ema_twin_sim.discovery.search.laws import under_best_laws
+from ema_twin_sim.discovery.search.trace import Round, Search
+from ema_twin_sim.identification.candidates import candidates
+from ema_twin_sim.identification.equation import EquationErrorProblem
+from ema_twin_sim.identification.fit import fit
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
+from ema_twin_sim.measured.observe import observe_all
+from tests.recorded import record
+
+STRIBECK = {"torque": 0.06, "speed": 2.0}
+LAWS = ("exponential", "gaussian")
+
+
+def found_under(law, true_law, model):
+    """A search that ended with Stribeck friction under one law, on recordings of another."""
+    recordings = record(model.with_effect("stribeck_friction", STRIBECK, {"law": true_law}), ("triangle:0.06:2",), 10.0)
+    problem = EquationErrorProblem(observe_all(recordings, model))
+    null = null_hypothesis(model)
+    after = settle(fit(problem, null.with_effect("stribeck_friction", {"law": law}, STRIBECK), 20))
+    bare = fit(after.problem, null)
+    turn = Round(bare, (trial_of(bare, after),), after, ("stribeck_friction",))
+    return Search(after, (turn,))
+
+
+@pytest.mark.parametrize("true_law", LAWS)
+@pytest.mark.parametrize("law", LAWS)
+def test_the_true_law_is_taken_with_its_numbers(law, true_law, stock):
+    found = found_under(law, true_law, stock)
+    ended = under_best_laws(found)
+    (instance,) = ended.fit.hypothesis.added.values()
+    assert instance.options == {"law": true_law}
+    assert instance.parameters == pytest.approx(STRIBECK, rel=0.05)
+    assert ended.changes[-1].after is ended.fit and len(ended.rounds) == len(found.rounds)
+    assert (ended is found) == (law == true_law)
+
+
+def test_no_second_law_is_offered_beside_the_first(stock):
+    h = null_hypothesis(stock)
+    assert sum(c.effect == "stribeck_friction" for c in candidates(h)) == len(LAWS)
+    beside = h.with_effect("stribeck_friction", {"law": "gaussian"}, STRIBECK)
+    assert "stribeck_friction" not in {c.effect for c in candidates(beside)}
