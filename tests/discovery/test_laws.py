@@ -1,7 +1,9 @@
-"""An effect ends under that law of its equation that explains most, and is never there under two."""
+"""Stribeck friction ends under that law that explains most, is never there twice, nor in place of dry friction."""
 
 import pytest
 
+from ema_twin_sim.discovery.criteria.worth import goes_before
+from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.search.adding import settle, trial_of
 from ema_twin_sim.discovery.search.laws import under_best_laws
 from ema_twin_sim.discovery.search.trace import Round, Search
@@ -44,3 +46,30 @@ def test_no_second_law_is_offered_beside_the_first(stock):
     assert sum(c.effect == "stribeck_friction" for c in candidates(h)) == len(LAWS)
     beside = h.with_effect("stribeck_friction", {"law": "gaussian"}, STRIBECK)
     assert "stribeck_friction" not in {c.effect for c in candidates(beside)}
+
+
+class TestFrictionInExcessOfDryFriction:
+    """A level that fades over all recorded speeds does what dry friction does: it does not take its place."""
+
+    def test_it_is_no_candidate_without_dry_friction(self, stock):
+        bare = stock.without_effect("coulomb_friction")
+        h = null_hypothesis(bare)
+        offered = {c.effect for c in candidates(h)}
+        assert "coulomb_friction" in offered and "stribeck_friction" not in offered
+        beside = h.with_effect("coulomb_friction", {"side": "motor"}, {"torque": 0.1})
+        assert "stribeck_friction" in {c.effect for c in candidates(beside)}
+        both = beside.with_effect("stribeck_friction", {"law": "gaussian"}, STRIBECK)
+        assert goes_before(both, "coulomb_friction") == "stribeck_friction"
+        assert goes_before(both, "stribeck_friction") == "stribeck_friction"
+
+    def test_dry_friction_of_the_model_lets_it_go_alone(self, stock):
+        h = null_hypothesis(stock).with_effect("coulomb_friction", {"side": "motor"}, {"torque": 0.1})
+        name = next(iter(h.added))
+        both = h.with_effect("stribeck_friction", {"law": "gaussian"}, STRIBECK)
+        assert goes_before(both, name) == name
+
+    def test_dry_friction_that_a_model_lacks_is_named_as_that(self, stock):
+        bare = stock.without_effect("coulomb_friction")
+        recordings = record(stock, ("triangle:0.06:2", "sine:0.05:0.4"), 10.0)
+        found = discover(recordings, bare)
+        assert "coulomb_friction" in found.added and "stribeck_friction" not in found.added

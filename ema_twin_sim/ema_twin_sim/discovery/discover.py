@@ -15,7 +15,7 @@ from ..comparison.compare import Signals, overall_errors
 from ..criteria import DEPENDS, MOST_EFFECTS, SMALL
 from ..effects import Trait, catalogue, effects_with
 from ..identification.equation import EquationErrorProblem
-from ..identification.estimates import constants, far_off, off_by_one_factor, parameters, standard_errors
+from ..identification.estimates import constants, far_off, off_by_one_factor, parameters
 from ..identification.fit import Fit, fit
 from ..identification.hypothesis import Hypothesis
 from ..identification.null_hypothesis import null_hypothesis
@@ -37,6 +37,7 @@ from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants
 from .criteria.contradictions import contradictions
 from .criteria.explained import explained
 from .ending import why_ended
+from .errors_beside_curves import errors_beside_curves
 from .experiment.doubts import reverses
 from .experiment.suggestion import suggest
 from .followed import with_followed_numbers
@@ -232,7 +233,7 @@ def discover(
     rivals = tuple(rivalry.beside(best) for rivalry in rivals if rivalry.effect in best.hypothesis.effects)
     left = unseen.rmse[-1] / unseen.noise_floor if unseen.noise_floor > 0.0 else 1.0
     points = any(o.of_points for o in problem.observations)  # operating points may be held at standstill
-    errors = with_division(standard_errors(problem, best), best, left)
+    errors = with_division(errors_beside_curves(problem, best), best, left)
     steps = _steps(found, unseen)
     order = _most_telling_first(best.hypothesis.added, steps)
     added = tuple(dict.fromkeys(best.hypothesis.added[name].effect for name in order))

@@ -43,7 +43,7 @@ EFFECT = Effect(
     option_value=lambda options: EXPONENTS[options["law"]],
     act=act,
     place=DRY_LEVEL,
-    traits=(Trait.NOT_AT_REST,),
+    traits=(Trait.ABOVE_DRY_FRICTION, Trait.NOT_AT_REST),
     implausible=(
         Implausible(
             "speed",

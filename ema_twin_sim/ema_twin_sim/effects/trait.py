@@ -16,6 +16,8 @@ class Trait(Enum):
     """A gap of some ``width`` between motor and output, so that the two encoders may differ."""
     SPRING = auto()
     """A ``stiffness`` and ``damping`` between motor and output, so that the two encoders may differ."""
+    ABOVE_DRY_FRICTION = auto()
+    """Friction in excess of the constant dry friction: a machine without that one does not have it."""
     BRISTLE = auto()
     """Friction that starts as a spring: visible at the start of a motion, and near standstill."""
     FRICTION_UNDER_LOAD = auto()

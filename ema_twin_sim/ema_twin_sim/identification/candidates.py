@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from ..effects import Effect, Trait, catalogue
-from ..model.roles import SENSOR_WAVE
+from ..model.roles import DRY_FRICTION, SENSOR_WAVE
 from ..plant.layout import ANGLE_ERRORS
 from .hypothesis import Hypothesis
 from .search_limits import Reached
@@ -63,9 +63,14 @@ def _of_another_gearbox(h: Hypothesis, options: Mapping[str, str]) -> bool:
 
 
 def addable(h: Hypothesis, id: str) -> bool:
-    """Whether a plant can take one more instance of an effect than a hypothesis has."""
+    """Whether a plant can take one more instance of an effect than a hypothesis has.
+
+    Friction in excess of the dry friction is refused where there is no dry friction: it would take its place.
+    """
     held = [instance.effect for instance in (*h.base.active.values(), *h.added.values())]
     if id == SENSOR_WAVE and held.count(id) >= ANGLE_ERRORS:
+        return False
+    if Trait.ABOVE_DRY_FRICTION in catalogue()[id].traits and DRY_FRICTION not in held:
         return False
     return catalogue()[id].repeatable or id not in held
 

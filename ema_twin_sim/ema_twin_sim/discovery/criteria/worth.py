@@ -28,7 +28,7 @@ from ...criteria import (
     SHAKY,
     SMALL,
 )
-from ...effects import Trait, catalogue, the_effect
+from ...effects import Trait, catalogue, effects_with, the_effect
 from ...identification.comparable import refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
@@ -111,6 +111,18 @@ def is_lacked(h: Hypothesis, effect: str) -> bool:
     """Whether an added effect is one that every machine has and that the base model lacks."""
     there = [i.effect for i in (*h.base.active.values(), *h.added.values())]
     return catalogue()[effect].every_machine and there.count(effect) == 1
+
+
+def goes_before(h: Hypothesis, name: str) -> str:
+    """What is removed before an added effect can be: friction in excess of the only dry friction, or the effect itself.
+
+    A level that fades over all recorded speeds does what dry friction does, which every machine has.
+    """
+    there = [i.effect for i in (*h.base.active.values(), *h.added.values())]
+    if name in h.added and h.added[name].effect == DRY_FRICTION and there.count(DRY_FRICTION) == 1:
+        above = effects_with(Trait.ABOVE_DRY_FRICTION)
+        return next((other for other, i in h.added.items() if i.effect in above), name)
+    return name
 
 
 def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> bool:

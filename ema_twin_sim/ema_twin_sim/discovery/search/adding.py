@@ -27,6 +27,7 @@ from ...identification.sensors import gearbox_shows
 from ...model.roles import TORQUE_FACTOR
 from ...parallel import predictions
 from ..criteria.worth import (
+    goes_before,
     has_effect_size,
     is_lacked,
     largest_rms_reduction,
@@ -223,15 +224,18 @@ def prune(f: Fit) -> Fit:
         less = [h.without_generic_basis(n) for n in h.generic_bases]
         trials += zip(h.generic_bases, fits(problem, less, 4, known=f), strict=True)
         needless = [
-            g
+            (n, g)
             for n, g in trials
             if (lost := -penalised_gain(f, g)) <= 0.0
             or (lost <= certain and not (_on_the_other_side(h, n) or has_effect_size(problem, g, f)))
         ]
         if not needless:
             break
-        best = max(needless, key=lambda g: penalised_gain(f, g))
-        f = fit(problem, best.hypothesis) if best.parted else best  # a trial was to first order only
+        name, best = max(needless, key=lambda trial: penalised_gain(f, trial[1]))
+        if (first := goes_before(h, name)) != name:
+            f = fit(problem, h.without(first))
+        else:
+            f = fit(problem, best.hypothesis) if best.parted else best  # a trial was to first order only
     return f
 
 
