@@ -18,9 +18,9 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.running_comparison import RunningComparison, SignalError, excess_removed
 from ..criteria import CLEARLY_MORE, SUREST
-from ..effects import catalogue
+from ..effects import Kind, catalogue, kind_of
 from ..identification.equation import EquationErrorProblem
-from ..identification.estimates import reported, standard_errors
+from ..identification.estimates import reported
 from ..identification.fit import Fit, fit
 from ..identification.hypothesis import COMPLIANT_EFFECTS
 from ..identification.uncertainty import held_out
@@ -31,6 +31,7 @@ from ..plant.measured_motion import TIME
 from ..simulation.simulate import choose_input, simulate
 from .criteria.worth import complexity_penalty, has_effect_size, noise_per_unit, penalised_gain
 from .discover import Discovery, discover
+from .errors_beside_curves import errors_beside_curves
 from .search.rivals import substitutes
 from .search.trace import Round, Trial, new_names
 
@@ -38,8 +39,6 @@ BLOCK = 2.0  # own s: stretches further apart than this count as independent
 DRAWS = 400
 RANKED = 8  # most entries of a ranking
 SIMULATED = 4  # of these, entries whose error on unseen data is computed
-
-Key = tuple[str, tuple[tuple[str, str], ...]]
 
 
 @dataclass(frozen=True)
@@ -130,8 +129,8 @@ class _Contender:
         return self.after.hypothesis.instance(self.name)
 
     @property
-    def key(self) -> Key:
-        return self.instance.effect, tuple(sorted(self.instance.options.items()))
+    def key(self) -> Kind:
+        return kind_of(self.instance.effect, self.instance.options)
 
 
 def weigh(found: Discovery) -> Diagnosis:
@@ -144,11 +143,11 @@ def weigh(found: Discovery) -> Diagnosis:
     if not contests and found.verdict != "unknown":
         # what gains and is not held was dropped, itself or as a rival: the search had reasons beyond its gain
         contests = [[c for c in tried if len(_new(c)) == 1 and penalised_gain(c.before, c.after) <= 0.0]]
-    absent: dict[Key, float] = {contender.key: 1.0 for contender in tried} | dict.fromkeys(held, 1.0)
+    absent: dict[Kind, float] = {contender.key: 1.0 for contender in tried} | dict.fromkeys(held, 1.0)
     nothing = float(found.verdict != "unknown")
     for contest in contests:
         without = 0.0
-        chances: dict[Key, float] = {}
+        chances: dict[Kind, float] = {}
         for winner, chance in _chances(problem, contest, bool(held)):
             if winner is None:
                 without += chance
@@ -181,7 +180,7 @@ def weigh(found: Discovery) -> Diagnosis:
     )
 
 
-def _place(found: Discovery, key: Key, held: Container[Key]) -> int:
+def _place(found: Discovery, key: Kind, held: Container[Kind]) -> int:
     """Sort key: found effects first, in discover's order; the others keep their order."""
     return found.added.index(key[0]) if key in held and key[0] in found.added else len(found.added)
 
@@ -189,7 +188,7 @@ def _place(found: Discovery, key: Key, held: Container[Key]) -> int:
 def _contests(problem: EquationErrorProblem, found: Discovery) -> list[list[_Contender]]:
     """For each effect that the complete search holds: the effect, and what could replace it."""
     best = found.search.free_fit
-    contests: dict[Key, list[_Contender]] = {}
+    contests: dict[Kind, list[_Contender]] = {}
     for name, instance in best.hypothesis.added.items():
         bare = fit(problem, best.hypothesis.without(name), 4, known=best)
         contest = [_Contender(name, bare, best)]
@@ -248,7 +247,7 @@ def _ranked(
     problem: EquationErrorProblem, contender: _Contender, probability: float, removed: float | None, found: bool
 ) -> Ranked:
     f, instance = contender.after, contender.instance
-    sure = standard_errors(problem, f)
+    sure = errors_beside_curves(problem, f)
     parameters = {
         p.name: shown_entry(
             f.hypothesis.base,
@@ -262,7 +261,7 @@ def _ranked(
     return Ranked(instance.effect, dict(instance.options), probability, removed, parameters, found)
 
 
-def _removed(problem: EquationErrorProblem, found: Discovery, contenders: Sequence[_Contender]) -> dict[Key, float]:
+def _removed(problem: EquationErrorProblem, found: Discovery, contenders: Sequence[_Contender]) -> dict[Kind, float]:
     """Share of the excess error that each contender removes on recordings it was not fitted to."""
     fits = {id(f): f for contender in contenders for f in (contender.before, contender.after)}
     if not contenders:

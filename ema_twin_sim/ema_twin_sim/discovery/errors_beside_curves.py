@@ -11,8 +11,9 @@ from .criteria.worth import is_lacked
 def errors_beside_curves(problem: EquationErrorProblem, f: Fit) -> dict[str, float]:
     """Standard errors of the free parameters, by path.
 
-    Curves over time can do together what dry friction does. An effect that every machine has stands beside them all the
-    same; its errors are those without the curves, among what these explain.
+    Curves of friction over a position, a speed or the time of all recordings can do what dry friction does. An effect
+    that every machine has stands beside them all the same, with the size that it had before the curves came: its errors
+    are those without them, among what they explain.
     """
     sure, h = standard_errors(problem, f), f.hypothesis
     lacked = [name for name, instance in h.added.items() if is_lacked(h, instance.effect)]

@@ -8,12 +8,16 @@ from __future__ import annotations
 import difflib
 import importlib
 import pkgutil
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
 from ema_bench_replay.errors import InputError
 
 from .effect import Effect, Trait
+
+Kind = tuple[str, tuple[tuple[str, str], ...]]
+"""An effect's id and options."""
 
 _own: dict[Path, Effect] = {}
 """Users' effects, by file."""
@@ -39,6 +43,12 @@ def _shipped() -> dict[str, Effect]:
 def effects_with(trait: Trait) -> frozenset[str]:
     """The ids of all effects with a trait, including users' own."""
     return frozenset(id for id, effect in catalogue().items() if trait in effect.traits)
+
+
+def kind_of(id: str, options: Mapping[str, str]) -> Kind:
+    """What identifies a cause: an effect and its options, except the law of its equation."""
+    effect = catalogue().get(id)
+    return id, tuple(sorted(chosen for chosen in options.items() if effect is None or chosen[0] != effect.law))
 
 
 def the_effect(trait: Trait) -> str:

@@ -40,12 +40,15 @@ def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Can
         if effect.depends_on == "acceleration" and Trait.LIKE_A_CONSTANT in effect.traits and h.inertia_is_open:
             continue  # the same number twice
         added = [dict(instance.options) for instance in h.added.values() if instance.effect == id]
+        laws = {i.options[effect.law] for i in h.base.active.values() if effect.law and i.effect == id}
         if effect.law and added:
             continue  # under another law it would be the same friction twice
         for choice in itertools.product(*effect.options.values()):
             options = dict(zip(effect.options, choice, strict=True))
             # a rigid drivetrain does not distinguish the sides
             unsided = h.parted or options.get("side", "motor") == "motor"
+            if laws and options[effect.law] not in laws:
+                continue  # the model tells which law this machine follows
             if options not in added and unsided and not _of_another_gearbox(h, options):
                 found.append(Candidate(id, options))
     return found

@@ -6,7 +6,8 @@ from typing import Generic, Protocol, TypeVar
 
 CAPACITY = 25_000
 """Number of samples of a side that may wait: more than can be in transit. Fast DDS keeps 5000 samples per reader at the
-writer and 5000 at the reader, both on the way to the twin and on the way back; beyond that a publisher waits."""
+writer and 500 at the reader (see loopback.xml), both on the way to the twin and on the way back; beyond that a
+publisher waits. Where somebody's own profile is used, it keeps 5000 at the reader."""
 
 
 class Stamped(Protocol):

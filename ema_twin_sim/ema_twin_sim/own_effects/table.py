@@ -28,6 +28,8 @@ def checked_table(file: Path, effect: Effect) -> Effect:
         raise check.error("EFFECT.parameters", "holds none", "give at least one, the effect's size first")
     parameters = tuple(_checked_parameter(check, parameter, k) for k, parameter in enumerate(effect.parameters))
     options = _checked_options(check, effect.options)
+    if effect.law and effect.law not in options:
+        raise check.error("EFFECT.law", f"'{effect.law}' is no option", "name one of EFFECT.options, or leave it out")
     names = [parameter.name for parameter in parameters] + list(options)
     for name in names:
         if names.count(name) > 1:

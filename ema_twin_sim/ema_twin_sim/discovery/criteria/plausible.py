@@ -22,7 +22,7 @@ from ...identification.on_bound import reached_bound
 from ...identification.uncertainty import covariance, scaled_inverse
 from ...model.roles import FRICTION, TORQUE_FACTOR
 from .reversals import shows_where_slowest
-from .worth import NOTHING_ELSE, goes_before, is_lacked, largest_rms_reduction, penalised_gain
+from .worth import NOTHING_ELSE, is_lacked, largest_rms_reduction, penalised_gain
 
 OVER = {"inertia": "acceleration"} | {id: catalogue()[id].depends_on for id in (*FRICTION, TORQUE_FACTOR)}
 
@@ -46,9 +46,8 @@ def strained(f: Fit) -> tuple[str, ...]:
 
 
 def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
-    """The least certain added effect, if it is not certain enough, or what goes before it; see ``uncertain``."""
-    name = next(uncertain(problem, f), None)
-    return None if name is None else goes_before(f.hypothesis, name)
+    """The least certain added effect, if it is not certain enough; see ``uncertain``."""
+    return next(uncertain(problem, f), None)
 
 
 def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:

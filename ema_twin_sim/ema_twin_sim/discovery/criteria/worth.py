@@ -113,16 +113,17 @@ def is_lacked(h: Hypothesis, effect: str) -> bool:
     return catalogue()[effect].every_machine and there.count(effect) == 1
 
 
-def goes_before(h: Hypothesis, name: str) -> str:
-    """What is removed before an added effect can be: friction in excess of the only dry friction, or the effect itself.
+def standing_on(h: Hypothesis, name: str) -> tuple[str, ...]:
+    """The added friction that is in excess of an added dry friction, if that is the only one; else nothing.
 
-    A level that fades over all recorded speeds does what dry friction does, which every machine has.
+    A level that fades over all recorded speeds does what dry friction does, which every machine has: it never stays
+    without it.
     """
     there = [i.effect for i in (*h.base.active.values(), *h.added.values())]
-    if name in h.added and h.added[name].effect == DRY_FRICTION and there.count(DRY_FRICTION) == 1:
-        above = effects_with(Trait.ABOVE_DRY_FRICTION)
-        return next((other for other, i in h.added.items() if i.effect in above), name)
-    return name
+    if name not in h.added or h.added[name].effect != DRY_FRICTION or there.count(DRY_FRICTION) > 1:
+        return ()
+    above = effects_with(Trait.ABOVE_DRY_FRICTION)
+    return tuple(other for other, instance in h.added.items() if instance.effect in above)
 
 
 def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> bool:

@@ -27,11 +27,11 @@ from ...identification.sensors import gearbox_shows
 from ...model.roles import TORQUE_FACTOR
 from ...parallel import predictions
 from ..criteria.worth import (
-    goes_before,
     has_effect_size,
     is_lacked,
     largest_rms_reduction,
     penalised_gain,
+    standing_on,
 )
 from .found_orders import order_candidates, resolved
 from .trace import Round, Trial, new_names
@@ -219,23 +219,22 @@ def prune(f: Fit) -> Fit:
     certain = math.inf if problem.weighting.wander is None else DEPENDS
     while f.hypothesis.added or f.hypothesis.generic_bases:
         h = f.hypothesis
-        names = [n for n in h.added if not (h.generic_bases and is_lacked(h, h.added[n].effect))]
+        names = [
+            n for n in h.added if not (h.generic_bases and is_lacked(h, h.added[n].effect)) and not standing_on(h, n)
+        ]
         trials = [*zip(names, less_each(f, names), strict=True)]
         less = [h.without_generic_basis(n) for n in h.generic_bases]
         trials += zip(h.generic_bases, fits(problem, less, 4, known=f), strict=True)
         needless = [
-            (n, g)
+            g
             for n, g in trials
             if (lost := -penalised_gain(f, g)) <= 0.0
             or (lost <= certain and not (_on_the_other_side(h, n) or has_effect_size(problem, g, f)))
         ]
         if not needless:
             break
-        name, best = max(needless, key=lambda trial: penalised_gain(f, trial[1]))
-        if (first := goes_before(h, name)) != name:
-            f = fit(problem, h.without(first))
-        else:
-            f = fit(problem, best.hypothesis) if best.parted else best  # a trial was to first order only
+        best = max(needless, key=lambda g: penalised_gain(f, g))
+        f = fit(problem, best.hypothesis) if best.parted else best  # a trial was to first order only
     return f
 
 

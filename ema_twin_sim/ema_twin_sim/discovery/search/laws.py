@@ -13,15 +13,14 @@ from .trace import Search
 
 def under_best_laws(found: Search) -> Search:
     """The search with each added effect under the law of its equation that explains most."""
-    for name, instance in found.fit.hypothesis.added.items():
-        effect = catalogue()[instance.effect]
-        if not effect.law:
-            continue
-        bare = found.fit.hypothesis.without(name)
-        for law in effect.options[effect.law]:
+    for name, held in found.fit.hypothesis.added.items():
+        effect = catalogue()[held.effect]
+        for law in effect.options[effect.law] if effect.law else ():
+            h = found.fit.hypothesis
+            instance = h.instance(name)
             if law == instance.options[effect.law]:
                 continue
-            under = bare.with_effect(effect.id, {**instance.options, effect.law: law}, instance.parameters)
+            under = h.without(name).with_effect(effect.id, {**instance.options, effect.law: law}, instance.parameters)
             rival = fit(found.problem, under)
             if penalised_gain(found.fit, rival) > 0.0:
                 found = found.refitted(rival)

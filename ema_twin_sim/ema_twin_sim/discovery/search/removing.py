@@ -13,7 +13,7 @@ from ...identification.fit import Fit, fit
 from ...model.roles import SPRING
 from ..criteria.own_shape import is_play, only_teeth
 from ..criteria.plausible import insignificant, uncertain
-from ..criteria.worth import ENCODER_ONLY, penalised_gain
+from ..criteria.worth import ENCODER_ONLY, penalised_gain, standing_on
 from .adding import add_effects, less_each, prune, settle, without_effect
 from .rivals import came_near, swapped
 from .trace import BEATEN, NEEDLESS, SURER, UNCERTAIN, WANDERS, Round, Search
@@ -23,11 +23,15 @@ def significant(found: Search) -> Search:
     """Remove uncertain effects, and try again what was removed for their sake.
 
     An effect that explains much may be uncertain only in the presence of another whose removal costs little: friction
-    that thins from standstill on takes the place of viscous friction. Then the other one is removed. Or it is uncertain
-    by its own shape: backlash of almost no width, whose teeth wind up like the shaft that it replaces.
+    that thins from standstill on takes the place of viscous friction. Then the other one is removed. What stands on an
+    uncertain dry friction is removed before it. Or an effect is uncertain by its own shape: backlash of almost no
+    width, whose teeth wind up like the shaft that it replaces.
     """
     found = _shaft_for_teeth(found)
     while name := insignificant(found.problem, found.fit):
+        if above := standing_on(found.fit.hypothesis, name):
+            found = with_what_made_room(less(found, above, UNCERTAIN))
+            continue
         names = [*found.fit.hypothesis.added]
         less_one = dict(zip(names, less_each(found.fit, names), strict=True))
         lost = {n: -penalised_gain(found.fit, g) for n, g in less_one.items()}
@@ -35,7 +39,11 @@ def significant(found: Search) -> Search:
             if (instead := _sure_instead(found, name)) is not None:
                 return significant(instead)
             little = max(DEPENDS, SMALL * lost[name])
-            others = [n for n in sorted(lost, key=lost.__getitem__) if lost[n] <= little]
+            others = [
+                n
+                for n in sorted(lost, key=lost.__getitem__)
+                if lost[n] <= little and not standing_on(found.fit.hypothesis, n)
+            ]
             name = next((n for n in others if name not in uncertain(found.problem, less_one[n])), name)
         found = with_what_made_room(less(found, [name], UNCERTAIN))
     return found
@@ -139,8 +147,8 @@ def less(found: Search, names: Sequence[str], reason: str) -> Search:
     if (before := _before_swap(found, names)) is not None:
         return found.ended(before, reason)
     h = found.fit.hypothesis
-    for name in names:
-        h = without_effect(h, name)
+    for gone in dict.fromkeys(each for name in names for each in (name, *standing_on(h, name))):
+        h = without_effect(h, gone)
     return found.ended(prune(settle(fit(found.problem, h))), reason)
 
 

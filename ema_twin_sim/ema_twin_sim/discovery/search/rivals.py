@@ -18,7 +18,7 @@ from ...identification.screening import screen
 from ...identification.separation import beside_its_wander, encoders_tell_apart, separation
 from ...identification.unseen_encoders import parting_where_unseen
 from ...model.roles import PLAY
-from ..criteria.plausible import insignificant
+from ..criteria.plausible import uncertain
 from ..criteria.worth import ENCODER_ONLY, is_lacked, largest_rms_reduction, penalised_gain
 from .adding import add_effects, prune, with_screened
 from .trace import BEATEN, SIMPLER, UNCERTAIN, Round, Search, Trial, new_names
@@ -84,8 +84,8 @@ def _with_a_rival(found: Search, rivals: Iterable[Rivalry], *, beside_unknown: b
 
 
 def _lasts(best: Fit, rival: Fit) -> bool:
-    """Whether what a rival has instead would not be removed again at once: its numbers are certain, and a machine's."""
-    return insignificant(rival.problem, rival) not in new_names(best, rival)
+    """Whether what a rival has instead would not be removed again at once, because its numbers are too uncertain."""
+    return {*uncertain(rival.problem, rival)}.isdisjoint(new_names(best, rival))
 
 
 def _needed(found: Search, rivalry: Rivalry) -> float:

@@ -13,6 +13,7 @@ from ...identification.fit import fit
 from ..criteria.plausible import strained
 from ..criteria.worth import penalised_gain
 from .adding import add_effects, entrants, with_one_more
+from .laws import under_best_laws
 from .removing import significant
 from .rivals import swapped
 from .trace import Search
@@ -43,7 +44,7 @@ def in_another_order(found: Search, without: frozenset[str], progress: Callable[
             if penalised_gain(best, other) > 1.0:
                 best = other
     if best is not found.fit:
-        better = significant(swapped(found, best))
+        better = significant(under_best_laws(swapped(found, best)))
         if penalised_gain(found.fit, fit(problem, better.fit.hypothesis)) > 0.0:
             return better
     return found

@@ -87,7 +87,7 @@ class Search:
         """The search with another fit of the same effects at its end."""
         last = self.changes[-1]
         rounds = tuple(replace(turn, after=fit) if turn is last else turn for turn in self.rounds)
-        return replace(self, fit=fit, rounds=rounds)
+        return replace(self, fit=fit, rounds=rounds, loosest=None)
 
     def with_numbers(self, fit: Fit) -> Search:
         """The search with other numbers for the same effects at its end, which the data do not ask for."""

@@ -145,7 +145,7 @@ def _instead(found: Search, name: str, tried: Sequence[Held]) -> Search | None:
 
     It does not lead back to effects that were ``tried``: of two that are nearly equal, each may look surer where the
     other stands. It either explained as much, or is one that every machine has and this model lacks: friction that
-    warms up looks a little more like Stribeck friction than like dry friction alone.
+    warms up may look a little more like another friction than like dry friction alone.
     """
     turn = next((turn for turn in found.taken if name in turn.added), None)
     if turn is None:

@@ -12,6 +12,7 @@ from ema_bench_replay.errors import InputError
 
 from ...discovery.diagnose import weigh
 from ...discovery.discover import discover
+from ...effects import Kind, kind_of
 from ...effects.catalogue import own_files
 from ...model import EffectInstance, Model, load_model
 from ...model.model import ENABLED
@@ -20,8 +21,6 @@ from .frames import Answer, Job
 
 _DIGITS = 1e-6
 """Relative difference that `ema-twin diff` does not show."""
-
-Kind = tuple[str, tuple[tuple[str, str], ...]]
 
 
 def judge(job: Job) -> Answer:
@@ -50,12 +49,12 @@ def judge(job: Job) -> Answer:
 
 
 def kind(instance: EffectInstance) -> Kind:
-    """What identifies an instance in a diagnosis: the effect and its options."""
-    return instance.effect, tuple(sorted(instance.options.items()))
+    """What identifies an instance in a diagnosis; see ``kind_of``."""
+    return kind_of(instance.effect, instance.options)
 
 
 def _kind(entry: Mapping[str, Any]) -> Kind:
-    return entry["effect"], tuple(sorted(entry["options"].items()))
+    return kind_of(entry["effect"], entry["options"])
 
 
 def _next_name(model: Model, effect: str) -> str:
