@@ -10,8 +10,11 @@ from ema_twin_sim.discovery.search import removing
 MUCH = 100.0 * DEPENDS
 
 
-def gone(monkeypatch, lost, unsure_without):
-    """What goes where `first` is uncertain: by what each loses, and what is uncertain still without each."""
+def gone(monkeypatch, lost, unsure_without, standing=None):
+    """What goes where `first` is uncertain: by what each loses, and what is uncertain still without each.
+
+    ``standing`` tells what stands on which dry friction.
+    """
     less_one = {name: SimpleNamespace(without=name) for name in lost}
     fit = SimpleNamespace(hypothesis=SimpleNamespace(added=dict.fromkeys(lost)), without=None)
     found = SimpleNamespace(problem=None, fit=fit, taken=())
@@ -24,6 +27,7 @@ def gone(monkeypatch, lost, unsure_without):
         )
 
     monkeypatch.setattr(removing, "is_play", lambda f, name: False)
+    monkeypatch.setattr(removing, "standing_on", lambda h, name: (standing or {}).get(name, ()))
     monkeypatch.setattr(removing, "uncertain", uncertain)
     monkeypatch.setattr(removing, "insignificant", lambda problem, f: next(uncertain(problem, f), None))
     monkeypatch.setattr(removing, "less_each", lambda f, names: [less_one[name] for name in names])
@@ -50,3 +54,13 @@ def gone(monkeypatch, lost, unsure_without):
 )
 def test_the_one_without_which_little_is_lost_and_the_other_is_sure(lost, unsure_without, goes, monkeypatch):
     assert gone(monkeypatch, lost, unsure_without) == [goes]
+
+
+def test_what_stands_on_dry_friction_goes_before_it(monkeypatch):
+    lost = {"first": 0.0, "other": MUCH}
+    assert gone(monkeypatch, lost, {}, {"first": ("other",)}) == ["other"]
+
+
+def test_dry_friction_does_not_make_room_for_what_stands_on_it(monkeypatch):
+    lost = {"first": MUCH, "dry": 0.0}
+    assert gone(monkeypatch, lost, {"dry": [], "first": []}, {"dry": ("first",)}) == ["first"]
