@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
+
+from ema_twin_sim.effects import catalogue
 
 from .cases import LOOK_ALIKE, NOT_SMALL, Case, drawn_case, in_company
 from .commands import Drive
@@ -14,6 +17,7 @@ from .hide import CATALOGUE
 from .judge import Verdict
 from .machine import stock_machine
 from .other_bench import Cause
+from .other_machines import other_machine_case
 from .sizes import drawn_causes, middling_cause, size_of
 from .unkind import COUNTERS_AND_CURRENT, Unkind
 
@@ -39,10 +43,23 @@ UNKIND_NULLS = (
 """Benches on which nothing is hidden: a quarter of them kind."""
 
 
+_BENCHES = (drawn_case, other_machine_case)
+
+
 def null_cases(seed: int, count: int) -> list[Case]:
     """Cases with nothing hidden, constants off, on benches that go through UNKIND_NULLS."""
     nulls = itertools.islice(itertools.cycle(UNKIND_NULLS), count)
     return [drawn_case(f"{k:03d}_none", _words(u), (), (seed, 1000, k), unkind=u) for k, u in enumerate(nulls)]
+
+
+def law_cases(seed: int, count: int) -> list[Case]:
+    """Cases that hide Stribeck friction under each of its laws in turn, on the stock bench and on other machines."""
+    laws = catalogue()["stribeck_friction"].options["law"]
+    cases = []
+    for k, (make, law) in enumerate(itertools.islice(itertools.cycle(itertools.product(_BENCHES, laws)), count)):
+        case = make(f"{k:03d}_{law}", law, ["stribeck_friction"], (seed, 6000, k))
+        cases.append(replace(case, causes=tuple(replace(cause, options={"law": law}) for cause in case.causes)))
+    return cases
 
 
 def left_out_cases(seed: int, count: int) -> list[Case]:
