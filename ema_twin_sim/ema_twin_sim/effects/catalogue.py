@@ -17,7 +17,7 @@ from ema_bench_replay.errors import InputError
 from .effect import Effect, Trait
 
 Kind = tuple[str, tuple[tuple[str, str], ...]]
-"""An effect's id and options."""
+"""An effect's id, and its options except the law of its equation."""
 
 _own: dict[Path, Effect] = {}
 """Users' effects, by file."""

@@ -40,15 +40,15 @@ def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Can
         if effect.depends_on == "acceleration" and Trait.LIKE_A_CONSTANT in effect.traits and h.inertia_is_open:
             continue  # the same number twice
         added = [dict(instance.options) for instance in h.added.values() if instance.effect == id]
-        laws = {i.options[effect.law] for i in h.base.active.values() if effect.law and i.effect == id}
         if effect.law and added:
-            continue  # under another law it would be the same friction twice
+            continue  # under another law it would be the same cause twice
+        laws = {i.options[effect.law] for i in h.base.active.values() if effect.law and i.effect == id}
         for choice in itertools.product(*effect.options.values()):
             options = dict(zip(effect.options, choice, strict=True))
-            # a rigid drivetrain does not distinguish the sides
-            unsided = h.parted or options.get("side", "motor") == "motor"
             if laws and options[effect.law] not in laws:
                 continue  # the model tells which law this machine follows
+            # a rigid drivetrain does not distinguish the sides
+            unsided = h.parted or options.get("side", "motor") == "motor"
             if options not in added and unsided and not _of_another_gearbox(h, options):
                 found.append(Candidate(id, options))
     return found
@@ -70,12 +70,11 @@ def addable(h: Hypothesis, id: str) -> bool:
 
     Friction in excess of the dry friction is refused where there is no dry friction: it would take its place.
     """
-    held = [instance.effect for instance in (*h.base.active.values(), *h.added.values())]
-    if id == SENSOR_WAVE and held.count(id) >= ANGLE_ERRORS:
+    if id == SENSOR_WAVE and h.count(id) >= ANGLE_ERRORS:
         return False
-    if Trait.ABOVE_DRY_FRICTION in catalogue()[id].traits and DRY_FRICTION not in held:
+    if Trait.ABOVE_DRY_FRICTION in catalogue()[id].traits and DRY_FRICTION not in h.held:
         return False
-    return catalogue()[id].repeatable or id not in held
+    return catalogue()[id].repeatable or id not in h.held
 
 
 def starts(effect: Effect, of: Reached) -> Iterator[dict[str, float]]:

@@ -59,7 +59,15 @@ class Hypothesis:
     @property
     def held(self) -> frozenset[str]:
         """The ids of all active effects: the model's own and the added ones."""
-        return frozenset(instance.effect for instance in (*self.base.active.values(), *self.added.values()))
+        return frozenset(self._ids)
+
+    def count(self, effect: str) -> int:
+        """How many of the active effects, the model's own and the added ones, have this id."""
+        return self._ids.count(effect)
+
+    @property
+    def _ids(self) -> list[str]:
+        return [instance.effect for instance in (*self.base.active.values(), *self.added.values())]
 
     def at(self, values: np.ndarray) -> Hypothesis:
         """The same hypothesis at other values."""

@@ -109,8 +109,7 @@ def _informative(o: Observation, count: int) -> bool:
 
 def is_lacked(h: Hypothesis, effect: str) -> bool:
     """Whether an added effect is one that every machine has and that the base model lacks."""
-    there = [i.effect for i in (*h.base.active.values(), *h.added.values())]
-    return catalogue()[effect].every_machine and there.count(effect) == 1
+    return catalogue()[effect].every_machine and h.count(effect) == 1
 
 
 def standing_on(h: Hypothesis, name: str) -> tuple[str, ...]:
@@ -119,8 +118,7 @@ def standing_on(h: Hypothesis, name: str) -> tuple[str, ...]:
     A level that fades over all recorded speeds does what dry friction does, which every machine has: it never stays
     without it.
     """
-    there = [i.effect for i in (*h.base.active.values(), *h.added.values())]
-    if name not in h.added or h.added[name].effect != DRY_FRICTION or there.count(DRY_FRICTION) > 1:
+    if name not in h.added or h.added[name].effect != DRY_FRICTION or h.count(DRY_FRICTION) > 1:
         return ()
     above = effects_with(Trait.ABOVE_DRY_FRICTION)
     return tuple(other for other, instance in h.added.items() if instance.effect in above)

@@ -212,8 +212,9 @@ def with_screened(problem: EquationErrorProblem, h: Hypothesis, s: Screened) -> 
 def prune(f: Fit) -> Fit:
     """Remove effects that are not, or no longer, worth their penalty, the last added included.
 
-    A generic basis fits anything: in its presence, an effect that every machine has and the model lacked stays. With
-    wandering friction, which has absorbed some of it, an effect that still gains clearly also stays, however small.
+    A generic basis fits anything: in its presence, an effect that every machine has and the model lacked stays. So does
+    dry friction on which other friction stands. With wandering friction, which has absorbed some of it, an effect that
+    still gains clearly also stays, however small.
     """
     problem = f.problem
     certain = math.inf if problem.weighting.wander is None else DEPENDS
