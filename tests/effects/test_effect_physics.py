@@ -6,13 +6,16 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.load import load
+from ema_bench_replay.recording import Recording
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.identification.prediction import follows_measured_motion
 from ema_twin_sim.model import EffectInstance
+from ema_twin_sim.plant.measured_motion import MOTION, REQUIRED, SPEED, TIME, inverse_dynamics
 from ema_twin_sim.plant.operating_point import OperatingPoint
-from ema_twin_sim.simulation.assembly import effect_slots
+from ema_twin_sim.simulation.assembly import assemble, effect_slots
 from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.twin import Twin
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
@@ -36,6 +39,7 @@ POINT = OperatingPoint(
 EQUATIONS = (
     ("stribeck_friction", (0.08, 2.0, 1.0), 0.08 * math.exp(-2.0)),
     ("stribeck_friction", (0.08, 2.0, 2.0), 0.08 * math.exp(-4.0)),
+    ("smooth_friction", (2.0,), -0.11 * (1.0 - math.tanh(2.0))),
     ("sun_runout", (0.02, 0.5), 0.02 * math.sin(1.2)),
     ("quadratic_drag", (1e-3,), -1e-3 * 16.0),
     ("shear_thinning", (0.4, 8.0), -0.4 * 0.0255 * 4.0 / 12.0),
@@ -81,6 +85,47 @@ def test_a_tooth_pulse_is_one_tooth_wide_and_passes_as_often_as_its_order():
         edges = np.count_nonzero((pulses[:-1] == 0.0) & (pulses[1:] > 0.0))
         assert edges == pytest.approx(4 * order, abs=1)
         assert np.count_nonzero(pulses) / len(pulses) == pytest.approx(order / 15.75, rel=0.05)
+
+
+def test_smooth_friction_scales_the_whole_dry_level_in_whatever_order_the_effects_stand(stock):
+    """Stribeck friction builds up with it; far above the transition nothing of it is left."""
+    stribeck = ("stribeck_friction", {"torque": 0.08, "speed": 5.0}), ("smooth_friction", {"speed": 2.0})
+    levels = []
+    for order in (stribeck, stribeck[::-1]):
+        model = stock
+        for id, parameters in order:
+            model = model.with_effect(id, parameters)
+        levels.append([dry_level(model, speed) for speed in (0.5, 4.0, 100.0)])
+    assert levels[0] == levels[1]
+    plain = stock.with_effect(*stribeck[0])
+    expected = [math.tanh(speed / 2.0) * dry_level(plain, speed) for speed in (0.5, 4.0, 100.0)]
+    assert levels[0] == pytest.approx(expected, rel=1e-12)
+    assert expected[-1] == pytest.approx(dry_level(stock, 100.0), rel=1e-6)
+
+
+def test_a_shaft_with_smooth_friction_creeps_under_any_torque(stock):
+    """Coulomb friction holds it; the break-away level of twice the sliding one goes with the level."""
+    current = 0.3 * 0.1126 / 1.91
+    time = np.arange(500) * 2e-3
+    signals = {"current": np.full(len(time), current)}
+    recording = Recording("pushed", np.rint(time * 1e9).astype(np.int64), signals)
+    held, creeping = (
+        simulate(model, recording, "current").signals["motor_position"][-1]
+        for model in (stock, stock.with_effect("smooth_friction", {"speed": 2.0}))
+    )
+    assert held == 0.0
+    dampers = 0.1126 / 2.0 + 0.0255  # N m s/rad: the level over the transition speed, and viscous friction
+    assert creeping == pytest.approx(0.3 * 0.1126 / dampers * time[-1], rel=0.03)
+
+
+def dry_level(model, speed):
+    """Dry level [N m] that a model's motor needs to turn at a constant speed [rad/s]."""
+    assembly = assemble(model)
+    motion = np.zeros((2, len(MOTION)))
+    motion[:, TIME], motion[:, SPEED] = (0.0, 1e-3), speed
+    required = np.empty((2, len(REQUIRED)))
+    inverse_dynamics(assembly.plant, assembly.effects, motion, 0.0, 0.0, np.empty(0), False, 0.0, required)
+    return required[-1, REQUIRED.index("dry_level")]
 
 
 def bench(model, command="triangle:0.04:2", seconds=8.0):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.comparison.running_comparison import RunningComparison
+from ema_twin_sim.plant.balance import BALANCE_LAG, SETTLED
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.twin import Twin
@@ -154,12 +155,13 @@ def test_a_load_that_depends_on_the_outputs_place_is_the_same_after_a_cut_in_mid
         assert np.sqrt(np.mean(missed**2)) < limit, name
 
 
-def test_the_unexplained_torque_of_a_cut_in_mid_motion_is_nothing_from_its_first_samples_on(stock):
+def test_the_unexplained_torque_of_a_cut_in_mid_motion_is_nothing_as_soon_as_its_filters_have_settled(stock):
     model = stock.with_effect("backlash", {"width": 0.004})
     part = virtual_bench(model, parse_command("ramp:0.05"), 3.0, seed=None).between(1.5)
-    assert (
-        np.max(np.abs(simulate(model, part).signals["unexplained_torque"][1:])) < 1e-3
-    )  # the output's friction: 0.045
+    unexplained = simulate(model, part).signals["unexplained_torque"]
+    settled = part.time - part.time[0] > 1.001 * SETTLED * BALANCE_LAG
+    assert np.isnan(unexplained[part.time - part.time[0] < 0.999 * SETTLED * BALANCE_LAG]).all()
+    assert np.max(np.abs(unexplained[settled])) < 1e-3  # the output's friction: 0.045
 
 
 def test_a_recording_that_begins_at_rest_begins_in_the_middle_of_the_gap(stock):

@@ -1,10 +1,12 @@
-"""The unexplained torque near standstill: the same for exactly similar machines."""
+"""The unexplained torque near standstill, at reversals, and at the start of a recording."""
 
 import numpy as np
 import pytest
 
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.model.own_units import OwnUnits, model_in, recording_in
+from ema_twin_sim.plant.balance import BALANCE_LAG, SETTLED
+from ema_twin_sim.plant.counter import COUNTER_LAG
 from ema_twin_sim.simulation.simulate import simulate
 
 BEYOND = 0.02  # N m that the drive gives beyond what the model needs
@@ -145,3 +147,49 @@ def test_a_counter_read_once_a_second_leaves_no_gap(stock):
     recording = Recording("slow", np.rint(time * 1e9).astype(np.int64), slow)
     left = simulate(stock, recording, "current").signals["unexplained_torque"]
     assert left[1:] == pytest.approx(BEYOND, rel=1e-6)
+
+
+def reversing(model, *, begun=0.0, step=0.0, period=1e-3):
+    """The model's own machine turning to and fro at up to 60 rad/s, told by its counter alone, in steps of ``step``.
+
+    The recording starts ``begun`` seconds into the motion.
+    """
+    time = begun + np.arange(round(4.0 / period)) * period
+    speed, acceleration = 60.0 * np.sin(TURN * time), 60.0 * TURN * np.cos(TURN * time)
+    angle = -60.0 / TURN * np.cos(TURN * time)
+    inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
+    dry, uneven = friction(model, "coulomb_friction"), 0.0
+    if "asymmetric_friction" in model.active:
+        uneven = model.active["asymmetric_friction"].parameters["fraction"]
+    rubbing = dry * np.sign(speed) + friction(model, "viscous_friction") * speed
+    torque = inertia * acceleration + rubbing * (1.0 + uneven * np.sign(speed))
+    shown = np.floor(angle / step + 0.5) * step if step else angle
+    signals = {"motor_position": shown - shown[0], "current": torque / model.value("machine.torque_constant")}
+    return Recording("reversing", np.rint((time - begun) * 1e9).astype(np.int64), signals), dry
+
+
+@pytest.mark.parametrize("uneven", [0.0, 0.3])
+@pytest.mark.parametrize("step", [0.0, 2e-4])
+def test_a_counter_alone_shows_when_its_shaft_turns_round(stock, step, uneven):
+    """The lagged speed turns round later than the shaft: friction by its sign missed the level after each reversal."""
+    model = stock
+    if uneven:  # of dry friction alone: what is uneven of the viscous one follows the lagged speed's size
+        model = stock.with_effect("asymmetric_friction", {"fraction": uneven})
+        for side in ("viscous_friction", "viscous_friction_2"):
+            model = model.with_value(f"effects.{side}.coefficient", 0.0)
+    model = model.with_value("sensors.motor_encoder_counts", 2.0 * np.pi / (step or 1e-6))
+    recording, dry = reversing(model, begun=0.13, step=step)
+    left = simulate(model, recording, "current").signals["unexplained_torque"]
+    assert np.sqrt(np.nanmean(left**2)) < 0.06 * dry  # by the lagged speed's sign: 0.4
+
+
+@pytest.mark.parametrize("signal", ["motor_position", "speed"])
+def test_a_recording_that_begins_while_its_shaft_speeds_up_tells_nothing_until_the_filters_have_settled(stock, signal):
+    """Nothing is known of the motion before the first sample, and the inertia's torque would be an error."""
+    model = stock.with_value("sensors.speed_smoothing", 0.0)
+    recording = speeding_up(model.with_effect("mesh_friction", {"coefficient": 0.0}), 1e-3, signal=signal == "speed")
+    left = simulate(model, recording, "current").signals["unexplained_torque"]
+    lag = BALANCE_LAG if signal == "speed" else COUNTER_LAG
+    assert np.isnan(left[recording.time < 0.99 * SETTLED * lag]).all()
+    inertia = 100.0 * sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
+    assert np.max(np.abs(left[recording.time > 1.01 * SETTLED * lag])) < 0.03 * inertia

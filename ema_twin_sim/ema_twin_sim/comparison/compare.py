@@ -223,7 +223,7 @@ def compare_all(
 def _main_error(comparison: Comparison) -> float:
     """RMSE of the signal by which models are judged first; infinite if it is not known."""
     name = next(iter(shown_signals(comparison.input, comparison.overall)), "")
-    rmse = comparison.overall[name]["rmse"] if name else 0.0
+    rmse = comparison.overall[name]["rmse"] if name else math.inf
     return rmse if math.isfinite(rmse) else math.inf
 
 

@@ -22,6 +22,8 @@ from ..model import Model
 from ..model.matching import by_torque
 from ..model.own_units import in_si, shown
 from ..parallel import simulations
+from ..plant.balance import BALANCE_LAG, SETTLED
+from ..plant.counter import COUNTER_LAG
 from ..plant.measured_motion import SPEED, TIME
 from ..simulation.longest_step import coarse_step
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
@@ -240,6 +242,7 @@ class Judge:
         driven = any(source == "current" for source in inputs)  # one main signal for all recordings
         if driven:
             inputs = ["current"] * len(recordings)
+            _refuse_unsettled(recordings)
         signal, unit = ("unexplained_torque", "N m") if driven else ("current", "A")
         if {*inputs} == {BY_MOTOR}:
             signal, unit = "output_position", "rad"
@@ -335,3 +338,14 @@ def gain_where_unseen(f: Fit) -> float:
         costs.append(problem.costs(left))
     noise = np.repeat(f.variance_inflations, (problem.size, problem.rows - problem.size))
     return float(np.sum((costs[0] - costs[1]) / noise))
+
+
+def _refuse_unsettled(recordings: Sequence[Recording]) -> None:
+    """Refuse recordings that all end before the filters of the unexplained torque have settled."""
+    settling = [SETTLED * (BALANCE_LAG if recording.has("speed") else COUNTER_LAG) for recording in recordings]
+    if recordings and all(r.duration <= time for r, time in zip(recordings, settling, strict=True)):
+        longest = max(recordings, key=lambda recording: recording.duration)
+        raise InputError(
+            f"{longest.name}: lasts {longest.duration:.3g} s, and no recording lasts longer; the unexplained torque is "
+            f"known after {max(settling):.2g} s: give longer recordings"
+        )

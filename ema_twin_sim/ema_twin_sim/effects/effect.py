@@ -59,7 +59,8 @@ class Parameter:
     the action is not proportional, so that sizes are tried from ``starts``, too).
 
     A parameter that acts ``at_rest`` only is not visible in motion, and is not fitted to it. A ``driven`` speed is one
-    over which an effect fades: beyond the recorded speeds it would be another effect, so it is not searched there.
+    over which an effect fades. It is searched up to that share of the fastest recorded speed: beyond, it would be
+    another effect.
     """
 
     name: str
@@ -72,7 +73,7 @@ class Parameter:
     periodic: bool = False
     neutral: float | None = 0.0
     at_rest: bool = False
-    driven: bool = False
+    driven: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,7 @@ EFFECT = Effect(
     ),
     settle=settle,
     repeatable=False,
-    traits=(Trait.BRISTLE, Trait.LIKE_PLAY_OR_SPRING, Trait.TRANSIENT),
+    traits=(Trait.BRISTLE, Trait.ACTS_AT_REVERSALS, Trait.LIKE_PLAY_OR_SPRING, Trait.TRANSIENT),
     implausible=(
         Implausible(
             "stiffness",

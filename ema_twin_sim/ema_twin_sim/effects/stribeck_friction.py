@@ -35,7 +35,7 @@ EFFECT = Effect(
             math.inf,
             "speed at which it has fallen to 1/e, fast shaft",
             starts=(0.3, 0.6, 1.2, 2.5, 5.0),
-            driven=True,
+            driven=1.0,
         ),
     ),
     options={"law": ("exponential", "gaussian")},

@@ -18,6 +18,10 @@ class Trait(Enum):
     """A ``stiffness`` and ``damping`` between motor and output, so that the two encoders may differ."""
     ABOVE_DRY_FRICTION = auto()
     """Friction in excess of the constant dry friction: a machine without that one does not have it."""
+    ACTS_AT_REVERSALS = auto()
+    """A law by which dry friction reverses, over a travel, a range of speeds, or both: not visible elsewhere."""
+    SCALES_DRY_FRICTION = auto()
+    """A factor on the whole level of dry friction, whatever the level consists of."""
     BRISTLE = auto()
     """Friction that starts as a spring: visible at the start of a motion, and near standstill."""
     FRICTION_UNDER_LOAD = auto()

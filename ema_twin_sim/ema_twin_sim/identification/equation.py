@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..effects import catalogue
+from ..effects import Trait, catalogue, effects_with
 from ..measured.observation import Observation
 from ..measured.smoothing import smooth_at
 from ..model import EffectInstance
@@ -79,7 +79,7 @@ class EquationErrorProblem(WeightedRows):
             if effect.delays:  # limited to the history of encoder readings that the plant keeps
                 upper[k] = max(min(upper[k], longest_delay(h.base)), lower[k])
             if p.driven:  # a speed that only matters within the driven range
-                upper[k] = max(min(upper[k], self.fastest), lower[k])
+                upper[k] = max(min(upper[k], p.driven * self.fastest), lower[k])
         return lower, upper
 
     def predict(self, h: Hypothesis, beside: Prediction | None = None, *, side_by_side: bool = False) -> Prediction:
@@ -109,7 +109,8 @@ class EquationErrorProblem(WeightedRows):
                     smooth_at(shown - difference, o.kernel, o.encoder_rows, rows[part])
         rows = self._in_noise(h, plant, rows)
         by_load = any(catalogue()[id].depends_on == "load" for id in h.held)
-        return Prediction(rows, assembly.plant, required, self.joined.starts, by_load)
+        scaled_level = not h.held.isdisjoint(effects_with(Trait.SCALES_DRY_FRICTION))
+        return Prediction(rows, assembly.plant, required, self.joined.starts, by_load, scaled_level)
 
     def _origins(self) -> np.ndarray:
         """(R, 2) [rad] readings of motor and output counter at position zero, by recording."""
@@ -238,6 +239,7 @@ def _acts_alone(beside: Prediction, instance: EffectInstance) -> bool:
     if effect.settle is not None:
         return False
     place = effect.where(instance.options)
-    if place == DRY_LEVEL and plant["bristle_stiffness"] > 0.0:
+    scales = Trait.SCALES_DRY_FRICTION in effect.traits
+    if place == DRY_LEVEL and (plant["bristle_stiffness"] > 0.0 or scales or beside.scaled_level):
         return False
     return not (place == OUTPUT_TORQUE and (plant["two_inertia"] != 0.0 or beside.by_load))

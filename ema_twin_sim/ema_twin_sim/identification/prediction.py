@@ -32,6 +32,7 @@ class Prediction:
     required: np.ndarray  # (n, 4) at the samples of all recordings, with the columns REQUIRED
     starts: np.ndarray  # int64 (R + 1,), the samples where each recording starts and the last one ends
     by_load: bool  # whether any part follows the load
+    scaled_level: bool  # whether an effect is a factor on the whole dry level
 
     @cached_property
     def lowest_dry_level(self) -> float:

@@ -66,13 +66,16 @@ def _checked_parameter(check: _Check, parameter: object, number: int) -> Paramet
     for name in ("periodic", "at_rest"):
         if not isinstance(getattr(parameter, name), bool):
             raise check.error(f"{place}.{name}", f"is {getattr(parameter, name)!r}", "give True or False")
+    driven = float(parameter.driven) if parameter.driven in (True, False) else parameter.driven
+    if not 0.0 <= check.number(driven, f"{place}.driven") <= 1.0:
+        raise check.error(f"{place}.driven", f"is {driven:g}", "give a share of the fastest recorded speed, 0 to 1")
     if parameter.neutral is not None:
         check.number(parameter.neutral, f"{place}.neutral")
     default, *starts = within.values()
     shapes = number > 0 or parameter.neutral is None
     if shapes and not starts and not parameter.periodic and math.isinf(upper - lower):
         raise check.error(place, "has no bound, and no values to look for it at", "give starts=(...), or bounds")
-    return replace(parameter, default=default, lower=lower, upper=upper, starts=tuple(starts))
+    return replace(parameter, default=default, lower=lower, upper=upper, starts=tuple(starts), driven=driven)
 
 
 def _checked_options(check: _Check, options: object) -> dict[str, tuple[str, ...]]:

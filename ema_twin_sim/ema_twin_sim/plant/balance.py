@@ -11,8 +11,10 @@ keep the derivative of a noisy speed usable. Both sides are evaluated at the mid
 sample would appear as inertia times jerk. If no speed is measured, the motor counter's difference is used; it is so
 coarse (0.08 rad/s at 2 ms) that the first lag is applied before the model's torques are evaluated. What follows from
 that speed has then passed the lag; what follows from position, current and measured load passes it afterwards, as if
-these alone had changed in each interval (``late``). If the transmission has backlash or compliance, the output is
-simulated, driven by the measured motor (``driven_output.py``).
+these alone had changed in each interval (``late``). Dry friction of the motor's side follows the direction in which the
+counter moves, and that direction passes the lag (``counter_direction``): the lagged speed turns round later than the
+shaft. If the transmission has backlash or compliance, the output is simulated, driven by the measured motor
+(``driven_output.py``).
 """
 
 import math
@@ -20,6 +22,7 @@ import math
 import numpy as np
 from numba import njit
 
+from .counter import COUNTER_LAG, TURNED, counter_direction, counter_speed, counter_torque, late
 from .drive import lag_gain
 from .driven_output import driven_output
 from .evaluate import evaluate
@@ -29,7 +32,8 @@ from .operating_point import OperatingPoint, changed
 from .transmission import end_stop_torque
 
 BALANCE_LAG = 0.005  # s, each of the two lags: together about 20 Hz, above the variation of friction and loads
-COUNTER_LAG = 0.020  # s, if the speed is a counter's difference
+SETTLED = 6.0
+"""Lags until the filters have forgotten that nothing is known of the motion before the first sample: 2 % is left."""
 STANDSTILL = 1.0 / 160.0
 """Share of sqrt(dry friction / inertia) [rad/s] below which the shaft counts as held by dry friction.
 
@@ -55,45 +59,9 @@ def lagged_line(value, input_before, input_now, interval, time_constant):
 
 
 @njit(error_model="numpy")
-def unbalanced_torque(driving, speed, viscous, dry, break_away, standstill):
-    """Torque [N m] left by friction to accelerate the measured motion, before filtering; held below ``standstill``."""
-    torque = driving - viscous * speed
-    if math.fabs(speed) < standstill:
-        return held_by_dry_friction(torque, break_away)
-    return torque - dry * (1.0 if speed > 0.0 else -1.0)
-
-
-@njit(error_model="numpy")
-def counter_speed(state, speed, interval):
-    """Speed [rad/s] after the first lag, from the counter's difference over an interval."""
-    if state.balance_ready == 0.0:
-        state.balance_speed_1 = speed
-    else:
-        state.balance_speed_1 += lag_gain(interval, COUNTER_LAG) * (speed - state.balance_speed_1)
-    return state.balance_speed_1
-
-
-@njit(error_model="numpy")
-def counter_torque(state, torque, interval):
-    """Torque [N m] after the same lag: its mean over the interval, as the counter's difference is the mean speed."""
-    if state.balance_ready == 0.0:
-        state.balance_torque_1 = torque
-    else:
-        mean = 0.5 * (torque + state.balance_torque_in)
-        state.balance_torque_1 += lag_gain(interval, COUNTER_LAG) * (mean - state.balance_torque_1)
-    state.balance_torque_in = torque
-    return state.balance_torque_1
-
-
-@njit(error_model="numpy")
-def late(short, change, interval):
-    """By how much [N m] a torque, after the first lag, still falls short of what it is.
-
-    ``short`` is its value of the last sample, ``change`` [N m] the torque's over the interval, during which
-    ``counter_torque`` uses its mean.
-    """
-    gain = lag_gain(interval, COUNTER_LAG)
-    return (1.0 - gain) * short - (1.0 - 0.5 * gain) * change
+def holding_sense(torque, dry, sense):
+    """The direction, -1 to 1, in which dry friction acts while it holds a shaft against a ``torque`` [N m]."""
+    return min(max(torque / dry, -1.0), 1.0) if dry > 0.0 else sense
 
 
 @njit(error_model="numpy")
@@ -163,7 +131,7 @@ def _point(plant, state, time, travel, current, speed, acceleration, transmitted
         current,
         plant.torque_constant * current,
         transmitted,
-        plant.motor_dry + plant.output_dry,
+        plant.motor_dry + (plant.output_dry if plant.two_inertia == 0.0 else 0.0),
         plant.motor_viscous + plant.output_viscous,
     )
 
@@ -181,10 +149,10 @@ def _stopped(plant, state, travel, speed):
 
 @njit(error_model="numpy")
 def _unexplained(plant, state, effects, before, now, simulated_angle, interval, time, step):
-    """The unexplained torque [N m] at the bench's sample ``now`` (see the module); NaN without current or motion.
+    """The unexplained torque [N m] at the bench's sample ``now`` (see the module).
 
-    ``simulated_angle`` [rad] replaces an unmeasured motor position. After a sample without a value the filters start
-    again.
+    NaN without current or motion, and until the filters have settled. ``simulated_angle`` [rad] replaces an unmeasured
+    motor position. After a sample without a value the filters start again.
     """
     position = now[MOTOR_POSITION_IN]
     speed = now[SPEED_IN]
@@ -202,7 +170,10 @@ def _unexplained(plant, state, effects, before, now, simulated_angle, interval, 
     acceleration = lagged_acceleration(state, speed, interval, has_speed)
     sharp = unsmoothed(speed, speed_before, interval, smoothing) if has_speed else counter_speed(state, speed, interval)
     travel = simulated_angle if math.isnan(position) else position
+    dither = plant.motor_dither
     sense = 1.0 if sharp > 0.0 else -1.0
+    if not has_speed:
+        sense = counter_direction(state, position, dither, interval)
     own = plant.output_inertia * acceleration + plant.output_viscous * sharp + plant.output_dry * sense
     at = _point(plant, state, time, travel, current, sharp, acceleration, own)
     torque, dry, load, thinned = evaluate(effects, at)
@@ -245,19 +216,30 @@ def _unexplained(plant, state, effects, before, now, simulated_angle, interval, 
         inertia = plant.motor_inertia
         base_dry = plant.motor_dry
         break_away = plant.motor_break_away
-        dry -= plant.output_dry
     dry = max(0.0, dry)
     break_away = max(0.0, break_away + dry - base_dry)
     driving -= torque
     share = 1.0 if rigid else bristle_share(plant)
+    bristled = plant.bristle_stiffness > 0.0
+    sliding = 0.0 if bristled else dry * (sense + plant.asymmetry)
     uneven, bent, dry, break_away, state.driven_bristle = rubbing(
-        sharp, driving - passed, plant.asymmetry, viscous + thinned, dry, break_away, plant.bristle_stiffness > 0.0,
-        state.driven_bristle, plant.bristle_stiffness * share, plant.bristle_damping * share, interval,
+        sharp, driving - passed, plant.asymmetry, viscous + thinned, dry, break_away, bristled, state.driven_bristle,
+        plant.bristle_stiffness * share, plant.bristle_damping * share, interval,
     )  # fmt: skip
-    passed = passed + uneven + bent
+    unbalanced = driving - passed - uneven - bent - viscous * sharp
     standstill = min(STANDSTILL * math.sqrt(total_dry / (plant.motor_inertia + plant.output_inertia)), MOST_STANDSTILL)
-    unbalanced = unbalanced_torque(driving - passed, sharp, viscous, dry, break_away, standstill)
-    return filtered_balance(state, unbalanced, speed, inertia, interval, has_speed, smoothing)
+    # a shaft that turns round at speed is not held, though its lagged speed passes through zero
+    reverses = not has_speed and math.fabs(speed) > standstill + TURNED * dither / interval
+    if math.fabs(sharp) < standstill and not reverses:
+        state.balance_sense = holding_sense(unbalanced, dry, sense)
+        state.balance_direction = 1.0 if unbalanced > 0.0 else -1.0  # in which it would start
+        state.balance_farthest = position
+        state.balance_since = 0.0
+        unbalanced = held_by_dry_friction(unbalanced, break_away)
+    else:
+        unbalanced -= sliding
+    unexplained = filtered_balance(state, unbalanced, speed, inertia, interval, has_speed, smoothing)
+    return math.nan if time < SETTLED * (BALANCE_LAG if has_speed else COUNTER_LAG) else unexplained
 
 
 @njit(error_model="numpy")

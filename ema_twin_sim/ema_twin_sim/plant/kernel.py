@@ -139,8 +139,6 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
         output_bristle_stiffness = plant.bristle_stiffness * (1.0 - share)
         output_bristle_damping = plant.bristle_damping * (1.0 - share)
         # effects see the model's total dry level; their changes apply to the motor side
-        total_dry = plant.motor_dry + plant.output_dry
-        elsewhere = total_dry - base_dry
         acting = effects[0].shape[0] > 0
         plain = not (acting or stops or asymmetry != 0.0 or bristled)
         torque = output_torque = thinned = 0.0
@@ -290,12 +288,10 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
                             current,
                             drive_torque,
                             transmitted,
-                            total_dry,
+                            base_dry,
                             viscous_total,
                         )
                         torque, dry, output_torque, thinned = evaluate(effects, at)
-                        dry -= elsewhere
-                        dry = 0.0 if dry < 0.0 else dry  # keeps a NaN, so that it appears in the motion
                         break_away = base_break_away + (dry - base_dry)
                         break_away = break_away if break_away > 0.0 else 0.0
                     effects_in -= 1

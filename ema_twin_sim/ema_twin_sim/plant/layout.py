@@ -56,6 +56,7 @@ PLANT = np.dtype(
         ("end_stop_upper", "f8"),
         # sensors
         ("motor_counts", "f8"),  # 1/rev of the fast shaft
+        ("motor_dither", "f8"),  # rad by which rounding and noise move the motor's counter at rest
         ("output_counts", "f8"),  # 1/rev of the slow shaft
         ("encoder_delay", "f8"),  # s
         ("angle_errors", "i8"),  # number of waves in angle_error of the output encoder
@@ -102,6 +103,10 @@ STATE = np.dtype(
         ("balance_speed_1", "f8"),
         ("balance_speed_2", "f8"),
         ("balance_ready", "f8"),
+        ("balance_direction", "f8"),  # -1 or 1, in which the motor's counter moves
+        ("balance_farthest", "f8"),  # rad, how far it has come in that direction
+        ("balance_since", "f8"),  # s since it was there
+        ("balance_sense", "f8"),  # -1 to 1, the direction after the first lag
         # the output driven by the measured motion (see driven_output.py), angles and speeds at the fast shaft
         ("driven_motor_angle", "f8"),
         ("driven_motor_speed", "f8"),

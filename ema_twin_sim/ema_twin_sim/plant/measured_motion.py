@@ -112,7 +112,7 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
     plant = plants[0]
     ratio = plant.gear_ratio
     rigid = plant.two_inertia == 0.0
-    total_dry = plant.motor_dry + plant.output_dry
+    base_dry = plant.motor_dry + (plant.output_dry if rigid else 0.0)
     viscous_total = plant.motor_viscous + plant.output_viscous
     bristle = output_bristle = 0.0
     bristled = plant.bristle_stiffness > 0.0
@@ -131,7 +131,7 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
         sense = sign(speed, fading)
         before = max(row - 1, 0)
         interval = motion[row, TIME] - motion[before, TIME]
-        at = operating_point(plant, motion[row], motor_origin, output_origin, transmitted, total_dry)
+        at = operating_point(plant, motion[row], motor_origin, output_origin, transmitted, base_dry)
         torque, dry, load, thinned = evaluate(effects, at)
         load = with_load(load, plant, motion[row], output_origin)
         if rigid:
@@ -142,7 +142,6 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
         else:
             # the output alone, driven by the motor's measured motion
             viscous = plant.motor_viscous
-            dry = max(0.0, dry - plant.output_dry)
             steps = steps_in(interval, substep) if row > 0 else 0
             passed = required[row, REQUIRED_TRANSMITTED] if reuse_output_motion else transmitted
             if steps > 0 and not reuse_output_motion:

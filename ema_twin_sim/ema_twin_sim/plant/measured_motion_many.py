@@ -41,7 +41,7 @@ LANES = 40 * LANE
     # motor side
     RATIO,
     VISCOUS_OF_MOTOR,
-    TOTAL_DRY,
+    MOTOR_DRY,
     STIFFNESS_OF_BRISTLE,
     DAMPING_OF_BRISTLE,
     # of an interval
@@ -93,7 +93,7 @@ def _load_lanes(plants, motion, seen, lanes):
         lanes[SUBSTEP + m] = longest_substep(side)
         lanes[RATIO + m] = plant.gear_ratio
         lanes[VISCOUS_OF_MOTOR + m] = plant.motor_viscous
-        lanes[TOTAL_DRY + m] = plant.motor_dry + plant.output_dry
+        lanes[MOTOR_DRY + m] = plant.motor_dry
         share = bristle_share(plant)
         lanes[STIFFNESS_OF_BRISTLE + m] = plant.bristle_stiffness * share
         lanes[DAMPING_OF_BRISTLE + m] = plant.bristle_damping * share
@@ -155,10 +155,9 @@ def _drive(lanes, speed, bristled, interval, torque):
     """Fill the ``torque`` (LANE,) of every drive, without its output's share."""
     sense = sign(speed, LOW_SPEED)
     for m in range(LANE):
-        dry = lanes[DRY_NOW + m] - lanes[DRY + m]
         torque[m], lanes[BRISTLE + m] = with_friction(
             lanes[TORQUE + m], 0.0, speed, sense, lanes[VISCOUS_OF_MOTOR + m], lanes[THINNED + m],
-            lanes[ASYMMETRY + m], dry if dry > 0.0 else 0.0, bristled, lanes[BRISTLE + m],
+            lanes[ASYMMETRY + m], lanes[DRY_NOW + m], bristled, lanes[BRISTLE + m],
             lanes[STIFFNESS_OF_BRISTLE + m], lanes[DAMPING_OF_BRISTLE + m], interval,
         )  # fmt: skip
 
@@ -196,7 +195,7 @@ def inverse_dynamics_many(
     plain = addresses.shape[0] == 0  # then only a measured load acts
     for m in range(LANE):
         plain = plain and math.isinf(plants[m].end_stop_lower) and math.isinf(plants[m].end_stop_upper)
-        lanes[DRY_NOW + m] = lanes[TOTAL_DRY + m]
+        lanes[DRY_NOW + m] = lanes[MOTOR_DRY + m]
     interval_before = -1.0
     most = 0
     for row in range(motion.shape[0]):
@@ -210,7 +209,7 @@ def inverse_dynamics_many(
             for m in range(LANE):
                 plant = plants[m]
                 at = operating_point(
-                    plant, motion[row], motor_origin, output_origin, passed[before, m], lanes[TOTAL_DRY + m]
+                    plant, motion[row], motor_origin, output_origin, passed[before, m], lanes[MOTOR_DRY + m]
                 )
                 lanes[TORQUE + m], lanes[DRY_NOW + m], load, lanes[THINNED + m] = evaluate(
                     (addresses, places, parameters[m]), at

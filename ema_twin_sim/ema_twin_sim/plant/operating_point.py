@@ -32,7 +32,7 @@ OperatingPoint = namedtuple(
         "current",  # A, quadrature
         "motor_torque",  # N m, torque constant times current
         "transmitted_torque",  # N m at the fast shaft, transmitted to the output, over the previous step
-        "dry_level",  # N m, the model's dry friction so far (levels are summed before they are scaled)
+        "dry_level",  # N m, of the motor's side (all, if the gearbox is rigid), summed so far, before it is scaled
         "viscous_coefficient",  # N m s/rad, the model's viscous friction
     ],
 )

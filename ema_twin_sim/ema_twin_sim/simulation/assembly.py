@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
@@ -50,8 +51,9 @@ class Assembly:
 
     For a planetary train, ``plant`` and ``effects`` describe the two inertias that replace it (``lumped_train.py``);
     for a switching drive the averaged one, with winding faults as torques. ``plant`` is a record array (1,) of
-    ``layout.PLANT``; ``effects`` holds addresses (n,), places (n,) and parameters (n, 4), dry levels first, so that
-    what depends on the level sees it whole.
+    ``layout.PLANT``; ``effects`` holds addresses (n,), places (n,) and parameters (n, 4), dry levels first, and the
+    factors on them last of these, so that what depends on the level sees it whole. (The loss of a train is not scaled:
+    its simulated teeth are not either.)
     """
 
     plant: np.ndarray
@@ -75,6 +77,8 @@ def assemble(model: Model, *, by_current: bool = False) -> Assembly:
     record["two_inertia"] = model.kinds["transmission"] == "two_inertia"
     turn = 2.0 * math.pi / model.turn  # the plant's counts refer to a revolution
     record["motor_counts"] = turn * model.value("sensors.motor_encoder_counts")
+    noise = model.value("sensors.motor_encoder_noise")  # standard deviation in counts, of which three are seen
+    record["motor_dither"] = math.hypot(1.0, 3.0 * noise) * 2.0 * math.pi / record["motor_counts"]
     record["output_counts"] = turn * model.value("sensors.output_encoder_counts")
     for side, none in (("lower", -np.inf), ("upper", np.inf)):
         stop = model.constants.get(f"transmission.end_stop_{side}")
@@ -82,7 +86,7 @@ def assemble(model: Model, *, by_current: bool = False) -> Assembly:
     record["pole_pairs"] = math.nan if model.pole_pairs is None else model.pole_pairs
     by_winding = model.kinds["drive"] == "switching" and not by_current
     balanced, acting = [], []
-    for name, instance in model.active.items():
+    for name, instance in _factors_last(model.active):
         effect = catalogue()[instance.effect]
         if effect.electrical and model.pole_pairs is None:
             raise InputError(f"model {model.name}: effect {name} needs machine.pole_pairs; give it in the model file")
@@ -99,6 +103,11 @@ def assemble(model: Model, *, by_current: bool = False) -> Assembly:
         balanced.append((mesh_friction.EFFECT.where({}), effect_address(mesh_friction.EFFECT), [loss, 0.0, 0.0, 0.0]))
     _check(model, record)
     return Assembly(plant, _effects(balanced), _effects(acting), fine)
+
+
+def _factors_last(active: Mapping[str, EffectInstance]) -> list[tuple[str, EffectInstance]]:
+    """The active effects by name, those that scale the whole level of dry friction last."""
+    return sorted(active.items(), key=lambda named: Trait.SCALES_DRY_FRICTION in catalogue()[named[1].effect].traits)
 
 
 def _effects(acting: list[tuple[int, int, list[float]]]) -> Effects:

@@ -1,0 +1,65 @@
+"""Smooth friction: dry friction L * tanh(|w| / speed) [N m] in place of L, so that it builds up with speed.
+
+L [N m] is the dry level, with backlash or compliance that of the motor's side. A grease that yields, or many contacts
+that turn round one after another, have no level at standstill: the shaft creeps. Simulators use the same law in place
+of a jump. Andersson, Soderberg, Bjorklund,
+"Friction models for sliding dry, boundary and mixed lubricated contacts" (2007), section 2.
+"""
+
+import math
+
+from .effect import DRY_LEVEL, POSITIVE, Effect, Implausible, Parameter, Trait
+
+
+def act(at, p):
+    """Change of the dry level [N m] at the motor's speed: what it lacks of the whole."""
+    return -at.dry_level * (1.0 - math.tanh(abs(at.motor_speed) / p[0]))
+
+
+def settle(plant, parameters, options):
+    """Let the level at rest be what slides: a shaft that creeps has nothing to break away from."""
+    plant["motor_break_away"] = plant["motor_dry"]
+    if not plant["two_inertia"]:
+        plant["output_break_away"] = plant["output_dry"]
+
+
+EFFECT = Effect(
+    id="smooth_friction",
+    summary="dry friction that builds up with speed instead of turning at once",
+    equation="L = level · tanh(|ω| / speed)",
+    depends_on="speed",
+    signature="current error against the friction near standstill only: it turns round over a range of speeds",
+    shown_by="slow reversals, such as a slow sine",
+    source="Andersson, Söderberg, Björklund 2007",
+    parameters=(
+        Parameter(
+            "speed",
+            "rad/s",
+            1.0,
+            POSITIVE,
+            math.inf,
+            "speed at which it has reached 76 % of its level, fast shaft",
+            starts=(0.1, 0.3, 1.0, 3.0),
+            neutral=None,
+            driven=0.1,
+        ),
+    ),
+    act=act,
+    settle=settle,
+    place=DRY_LEVEL,
+    repeatable=False,
+    traits=(
+        Trait.ABOVE_DRY_FRICTION,
+        Trait.SCALES_DRY_FRICTION,
+        Trait.ACTS_AT_REVERSALS,
+        Trait.LIKE_PLAY_OR_SPRING,
+        Trait.NOT_AT_REST,
+    ),
+    implausible=(
+        Implausible(
+            "speed",
+            lambda v, c: v["speed"] > 0.2 * c.top_speed,
+            "it builds up over a large part of the speeds recorded: is it viscous friction, or a lubricant that thins?",
+        ),
+    ),
+)
