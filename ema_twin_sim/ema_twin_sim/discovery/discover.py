@@ -56,6 +56,7 @@ from .search.wandering_end import (
     without_warming_that_wandering_explains,
 )
 from .shares import of_sums, with_division
+from .slight_laws import without_slight_laws
 from .split import ClosedLoop, with_best_split
 from .torque_constant import with_assumed_constant_free, with_factor_as_constant, with_factor_in_the_constant
 from .unmoved import beside_constants_as_filed, freed, with_unmoved_constants
@@ -205,6 +206,8 @@ def discover(
         known = (model.is_open or back) and explained(found.problem, found.fit, start)
         depends_on = () if known else depends_on or shown_over
         idle, gearbox = idle_effects(found, unseen, kept) if (known and back) or model.is_open else ((), False)
+    if model.is_open:
+        found, unseen = without_slight_laws(found, unseen, judge, rms_torque(rotary, began))
     if known and model.is_open and _leaves_torque(unseen, rms_torque(rotary, began)):
         known, depends_on = False, ()  # what is left is too fast for the rows to tell on what it depends
     turned = torque_sign_reversed(found.problem, found.fit)  # then nothing that fits is a load of this machine

@@ -129,7 +129,7 @@ def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> b
     refuse_different_weightings(before, after)
     came = {n: held.effect for n, held in after.hypothesis.added.items() if n not in before.hypothesis.added}
     if any(
-        _does_nothing(after, name)
+        does_nothing(after, name)
         or _never_slides(problem, after, name)
         or _too_large(problem, after, name)
         or _within_counts(after, name)
@@ -171,6 +171,16 @@ def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> b
         return False
     considerable = fall >= SMALL * excess or (late and delay_shows(problem, before))
     return considerable and largest_rms_reduction(problem, before, after) >= floor * left
+
+
+def does_nothing(f: Fit, name: str) -> bool:
+    """Whether an effect's stiffness is at its upper limit, where it has no action: it stands in for another effect."""
+    size = catalogue()[f.hypothesis.added[name].effect].parameters[0]
+    path = f"effects.{name}.stiffness"
+    if size.name != "stiffness" or size.neutral is not None:
+        return False
+    upper = next(free.upper for free in f.hypothesis.free if free.path == path)
+    return f.hypothesis.by_path[path] >= (1.0 - NEGLIGIBLE) * upper
 
 
 def left_over(problem: EquationErrorProblem, f: Fit) -> list[float]:
@@ -261,16 +271,6 @@ def _hardly_repeats(problem: EquationErrorProblem, before: Fit, after: Fit, name
         turns = float(np.ptp(o.motion[:, MOTOR_ANGLE])) / (2.0 * math.pi)
         there[turns * order >= FEWEST_CYCLES] += float(fell[part].sum())
     return there[True] < PART * max(sum(there.values()), 0.0)
-
-
-def _does_nothing(f: Fit, name: str) -> bool:
-    """Whether an effect's stiffness is at its upper limit, where it has no action: it stands in for another effect."""
-    size = catalogue()[f.hypothesis.added[name].effect].parameters[0]
-    path = f"effects.{name}.stiffness"
-    if size.name != "stiffness" or size.neutral is not None:
-        return False
-    upper = next(free.upper for free in f.hypothesis.free if free.path == path)
-    return f.hypothesis.by_path[path] >= (1.0 - NEGLIGIBLE) * upper
 
 
 def _never_slides(problem: EquationErrorProblem, f: Fit, name: str) -> bool:

@@ -12,9 +12,10 @@ from ...criteria import (
     BESIDE_IMPACTS,
     DEPENDS,
     MOST_EFFECTS,
+    MOSTLY,
     NEARLY_ALL,
 )
-from ...effects import catalogue
+from ...effects import Trait, catalogue, effects_with
 from ...identification.candidates import candidates
 from ...identification.comparable import as_compares, cheapest, costs_no_more
 from ...identification.compliance import structural_fits
@@ -27,6 +28,7 @@ from ...identification.sensors import gearbox_shows
 from ...model.roles import TORQUE_FACTOR
 from ...parallel import predictions
 from ..criteria.worth import (
+    does_nothing,
     has_effect_size,
     is_lacked,
     largest_rms_reduction,
@@ -173,8 +175,7 @@ def _ranked(trials: Iterable[Trial], choices: Mapping[str, int]) -> tuple[Trial,
 
 def _by_choice(t: Trial, choices: Mapping[str, int]) -> float:
     """Gain by chance of the best of several choices, as twice a log-likelihood."""
-    came = (t.fit.hypothesis.added[name].effect for name in t.names if name in t.fit.hypothesis.added)
-    return sum(2.0 * math.log(max(choices.get(id, 1), 1)) for id in came)
+    return sum(2.0 * math.log(max(choices.get(id, 1), 1)) for id in _came(t))
 
 
 def _favour(t: Trial) -> float:
@@ -184,9 +185,29 @@ def _favour(t: Trial) -> float:
     return 1.0 / NEARLY_ALL if all(is_lacked(h, h.added[name].effect) for name in t.names) else 1.0
 
 
-def _best(current: Fit, trials: Iterable[Trial]) -> Trial | None:
+def _best(current: Fit, trials: Sequence[Trial]) -> Trial | None:
     """The first trial that is worth its penalty and large enough to be named."""
-    return next((t for t in trials if t.gain > 0.0 and has_effect_size(current.problem, current, t.fit)), None)
+    worth = (t for t in trials if t.gain > 0.0 and not _too_quick(t, trials))
+    return next((t for t in worth if has_effect_size(current.problem, current, t.fit)), None)
+
+
+def _too_quick(trial: Trial, trials: Sequence[Trial]) -> bool:
+    """Whether friction turns round faster than the recordings resolve, so that no law by which it does can be told.
+
+    A bristle so stiff that it does nothing between two samples then gains about as much: only how the samples fall
+    around a reversal is fitted. Without a bristle among the trials, that cannot be told.
+    """
+    laws = effects_with(Trait.ACTS_AT_REVERSALS)
+    if laws.isdisjoint(_came(trial)):
+        return False
+    others = (t for t in trials if t.gain > MOSTLY * trial.gain and not laws.isdisjoint(_came(t)))
+    return any(does_nothing(t.fit, name) for t in others for name in t.names if name in t.fit.hypothesis.added)
+
+
+def _came(t: Trial) -> tuple[str, ...]:
+    """The effects that a trial adds."""
+    added = t.fit.hypothesis.added
+    return tuple(added[name].effect for name in t.names if name in added)
 
 
 def entrants(problem: EquationErrorProblem, current: Fit, without: frozenset[str]) -> list[Hypothesis]:

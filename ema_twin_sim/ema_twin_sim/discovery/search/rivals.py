@@ -19,7 +19,7 @@ from ...identification.separation import beside_its_wander, encoders_tell_apart,
 from ...identification.unseen_encoders import parting_where_unseen
 from ...model.roles import PLAY
 from ..criteria.plausible import uncertain
-from ..criteria.worth import ENCODER_ONLY, is_lacked, largest_rms_reduction, penalised_gain
+from ..criteria.worth import ENCODER_ONLY, does_nothing, is_lacked, largest_rms_reduction, penalised_gain
 from .adding import add_effects, prune, with_screened
 from .trace import BEATEN, SIMPLER, UNCERTAIN, Round, Search, Trial, new_names
 
@@ -84,8 +84,10 @@ def _with_a_rival(found: Search, rivals: Iterable[Rivalry], *, beside_unknown: b
 
 
 def _lasts(best: Fit, rival: Fit) -> bool:
-    """Whether what a rival has instead would not be removed again at once, because its numbers are too uncertain."""
-    return {*uncertain(rival.problem, rival)}.isdisjoint(new_names(best, rival))
+    """Whether what a rival has instead would not be removed again at once: it acts, and its numbers are certain."""
+    new = new_names(best, rival)
+    acts = not any(does_nothing(rival, name) for name in new if name in rival.hypothesis.added)
+    return acts and {*uncertain(rival.problem, rival)}.isdisjoint(new)
 
 
 def _needed(found: Search, rivalry: Rivalry) -> float:
