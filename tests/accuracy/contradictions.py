@@ -35,6 +35,7 @@ from .cases import Case
 from .folders import readable_train
 
 SAME = 1e-9  # relative: two tellings of one number
+_UNFITTED: Mapping[str, Any] = {"rmse": {}}
 _NOTHING = re.compile(
     r"nothing is missing(?! 0 %)|nothing missing: [1-9]|show nothing missing|nothing is left|nothing left"
     r"|all errors are within|at the sensors' noise floor",
@@ -124,25 +125,37 @@ def _no_shares(told: Told) -> Iterator[str]:
 
 
 def _floors(told: Told) -> Iterator[str]:
-    """Noise floors of one signal that differ."""
-    floors: dict[str, dict[str, float]] = {}
+    """Noise floors of one signal that differ: those of the given model, and those of both models compared together.
+
+    Models that are compared together have the floor of the better one, to whose constants the sensors' noise may be
+    another torque.
+    """
     unseen = told.content["discover"]["unseen"]
-    floors.setdefault(unseen["signal"], {})["discover"] = unseen["noise_floor"]
+    given: dict[str, dict[str, float]] = {unseen["signal"]: {"discover": unseen["noise_floor"]}}
     for name, error in told.content["discover"]["left"].items():
-        floors.setdefault(name, {})["left"] = error["noise_floor"]
-    for place, comparison in zip(("before", "after", "before alone"), told.comparisons, strict=False):
-        for name, error in comparison.overall.items():
-            floors.setdefault(name, {})[place] = error["noise_floor"]
-            for recording in comparison.recordings:
-                if name in recording.signals:
-                    floors[name][f"{place} {recording.name}"] = recording.signals[name]["noise_floor"]
-    # what is fitted began as the model that was found, to whose constants the noise of the speed is another torque
-    for name, error in told.content.get("fit", {"rmse": {}})["rmse"].items():
-        if not math.isclose(error["noise_floor"], told.comparisons[3].overall[name]["noise_floor"], rel_tol=SAME):
-            yield f"{name}: fit tells another noise floor than compare of the same model"
-    for signal, by_place in floors.items():
-        if not all(math.isclose(value, max(by_place.values()), rel_tol=SAME) for value in by_place.values()):
-            yield f"{signal} has several noise floors: {by_place}"
+        given.setdefault(name, {})["left"] = error["noise_floor"]
+    before, after, alone, found = told.comparisons
+    _put_floors(given, "alone", alone)
+    together: dict[str, dict[str, float]] = {}
+    for place, comparison in (("before", before), ("after", after)):
+        _put_floors(together, place, comparison)
+    # what is fitted began as the model that was found
+    fitted = {name: {"fit": error["noise_floor"]} for name, error in told.content.get("fit", _UNFITTED)["rmse"].items()}
+    for name in fitted:
+        fitted[name]["compare"] = found.overall[name]["noise_floor"]
+    for floors in (given, together, fitted):
+        for signal, by_place in floors.items():
+            if not all(math.isclose(value, max(by_place.values()), rel_tol=SAME) for value in by_place.values()):
+                yield f"{signal} has several noise floors: {by_place}"
+
+
+def _put_floors(floors: dict[str, dict[str, float]], place: str, comparison: Comparison) -> None:
+    for name, error in comparison.overall.items():
+        of = floors.setdefault(name, {})
+        of[place] = error["noise_floor"]
+        for recording in comparison.recordings:
+            if name in recording.signals:
+                of[f"{place} {recording.name}"] = recording.signals[name]["noise_floor"]
 
 
 def _orders(told: Told) -> Iterator[str]:

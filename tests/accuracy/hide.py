@@ -126,6 +126,7 @@ HIDE: dict[str, Callable[..., None]] = {
     "viscous_friction": _nothing,
     "coulomb_friction": _nothing,
     "stribeck_friction": _stribeck,
+    "smooth_friction": _adds(smooth_speed="speed"),
     "asymmetric_friction": _adds(asymmetry="fraction"),
     "presliding_friction": _presliding,
     "quadratic_drag": _adds(drag="coefficient"),

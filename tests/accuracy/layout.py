@@ -48,6 +48,7 @@ PLANT = np.dtype(
             "stribeck_level",
             "stribeck_speed",
             "stribeck_is_gaussian",
+            "smooth_speed",  # rad/s over which dry friction builds up; 0: it is there at once
             "asymmetry",
             "mesh_coefficient",
             "drag",  # N m s2/rad2

@@ -210,6 +210,9 @@ def run(plants, harmonics, bursts, command, speed_noise, cycle, samples, held, s
         if p.thinning != 0.0:
             drag -= p.thinning * viscous * pace / (pace + p.thinning_speed)
         out_drag = p.output_viscous * mood
+        if p.smooth_speed != 0.0:
+            level *= math.tanh(pace / p.smooth_speed)
+            out_level *= math.tanh(abs(out_speed) / p.smooth_speed)
         if p.asymmetry != 0.0:
             forward = 1.0 + p.asymmetry if speed >= 0.0 else 1.0 - p.asymmetry
             level *= forward

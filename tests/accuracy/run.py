@@ -5,7 +5,7 @@ python -m tests.accuracy.run --known                        (what was once misse
 python -m tests.accuracy.run --null 40 | --laws 40 | --leave-out | --sweep [EFFECT ...] | --robust
 python -m tests.accuracy.run --limits [EFFECT ...] [--cases 10]              (benches an effect)
 python -m tests.accuracy.run --other-machines 60 | --calibration | --contradictions 200
-python -m tests.accuracy.run --strangers 40 | --mistakes 20  [--plain] [--keep DIR]     (by the command line)
+python -m tests.accuracy.run --strangers 40 | --textbook 28 | --mistakes 20  [--plain] [--keep DIR]   (by commands)
 python -m tests.accuracy.run --save DIR        (cases as folders, for other scorers; discovery is not run)
 """
 
@@ -32,6 +32,7 @@ from .other_machines import other_machine_cases
 from .planned import planned_and_not, planned_cases
 from .strangers.cases import Stranger, mistaken_cases, stranger_cases
 from .strangers.run import run_strangers
+from .strangers.textbook import Textbook, textbook_cases
 from .tables import by_kind, confusion, confusion_table, totals, totals_line
 from .work import WORKERS, Solvers
 
@@ -46,7 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for case in _default_cases(asked):
             print(save(case, asked.save))
         return 0
-    if asked.strangers or asked.mistakes:
+    if asked.strangers or asked.mistakes or asked.textbook:
         told = run_strangers(_strangers(asked), asked.workers, asked.keep)
         report = {"seed": asked.seed, **told}
     else:
@@ -130,9 +131,10 @@ def _parser() -> argparse.ArgumentParser:
         "--planned", type=_count, metavar="N", help="N cases by one slow recording and two that plan asks for"
     )
     parser.add_argument("--strangers", type=_count, metavar="N", help="N servos in their owners' words and units")
+    parser.add_argument("--textbook", type=_count, metavar="N", help="N machines by a textbook's law of friction")
     parser.add_argument("--mistakes", type=_count, metavar="N", help="N of them with a wrong unit or sign")
     parser.add_argument("--plain", action="store_true", help="of --strangers, in the tutorial's names and SI units")
-    parser.add_argument("--keep", type=Path, metavar="DIR", help="of --strangers: where their files stay")
+    parser.add_argument("--keep", type=Path, metavar="DIR", help="of these three: where their files stay")
     parser.add_argument(
         "--contradictions", type=_count, metavar="N", help="N cases of both benches: is all of it told alike"
     )
@@ -154,7 +156,9 @@ def _default_cases(asked: argparse.Namespace) -> list[Case]:
     return _only(asked, drawn_cases(asked.seed, asked.cases or 60, asked.kinds))
 
 
-def _strangers(asked: argparse.Namespace) -> list[Stranger]:
+def _strangers(asked: argparse.Namespace) -> list[Stranger] | list[Textbook]:
+    if asked.textbook:
+        return _only(asked, textbook_cases(asked.seed, asked.textbook))
     if asked.mistakes:
         return _only(asked, mistaken_cases(asked.seed, asked.mistakes))
     return _only(asked, stranger_cases(asked.seed, asked.strangers, plain=asked.plain))

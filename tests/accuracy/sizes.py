@@ -47,6 +47,7 @@ _USUAL: Mapping[str, Mapping[str, Usual | Angle]] = {
     "viscous_friction": {},
     "coulomb_friction": {},
     "stribeck_friction": {"torque": Usual(0.04, 0.1), "speed": Usual(0.6, 2.5)},
+    "smooth_friction": {"speed": Usual(0.6, 2.5)},
     "asymmetric_friction": {"fraction": Usual(0.1, 0.3, signed=True)},
     "presliding_friction": {"stiffness": Usual(0.7, 4.0), "damping": Usual(0.003, 0.02)},
     "quadratic_drag": {"coefficient": Usual(3e-4, 1.2e-3)},

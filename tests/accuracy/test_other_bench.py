@@ -116,6 +116,7 @@ GRAVITY = Cause("gravity_load", {"torque": 0.06, "angle": 0.4})
 THEORY = {
     "stribeck_friction": lambda s: 0.08 * np.exp(-np.abs(s.w) / 2.0) * np.sign(s.w),
     "stribeck_friction gaussian": lambda s: 0.08 * np.exp(-((s.w / 2.0) ** 2)) * np.sign(s.w),
+    "smooth_friction": lambda s: LEVEL * (np.tanh(s.w / 2.0) - np.sign(s.w)),
     "asymmetric_friction": lambda s: -0.2 * (LEVEL + VISCOUS * np.abs(s.w)),
     "quadratic_drag": lambda s: 8e-4 * s.w * np.abs(s.w),
     "shear_thinning": lambda s: -0.5 * VISCOUS * s.w * np.abs(s.w) / (np.abs(s.w) + 5.0),
@@ -141,6 +142,7 @@ THEORY = {
 """Torque [N m] against the motion, by the equations of the catalogue; effect, then its options."""
 VALUES = {
     "stribeck_friction": {"torque": 0.08, "speed": 2.0},
+    "smooth_friction": {"speed": 2.0},
     "asymmetric_friction": {"fraction": -0.2},
     "quadratic_drag": {"coefficient": 8e-4},
     "shear_thinning": {"fraction": 0.5, "speed": 5.0},
@@ -158,6 +160,7 @@ VALUES = {
 OF_AN_ANGLE = {"torque": 0.03, "phase": 0.7}
 DRIVES = {
     "stribeck_friction": SLOW,
+    "smooth_friction": SLOW,
     "asymmetric_friction": BACK_AND_FORTH,
     "thermal_friction": RAMP,
     "sun_runout": BACK_AND_FORTH,

@@ -53,6 +53,19 @@ class Stranger:
         return tuple(self.servo.hidden)
 
     @property
+    def besides(self) -> tuple[str, ...]:
+        """What is there as well, and right if it is named."""
+        return ()
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """True inertia and friction, as they are told; without a torque constant, a torque is told in amperes."""
+        servo = self.servo
+        amperes = "current" in self.signals and "torque_constant" not in self.knows
+        told = 1.0 / servo.torque_constant if amperes else 1.0
+        return {"inertia": servo.inertia * told, "coefficient": servo.viscous * told, "torque": servo.dry * told}
+
+    @property
     def options(self) -> list[str]:
         """What a person adds to ``init`` from the data sheet."""
         told = {"torque_constant": self.servo.torque_constant, "gear_ratio": self.servo.ratio}

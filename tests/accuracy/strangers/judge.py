@@ -13,6 +13,7 @@ from pathlib import Path
 from tests.command_line import LONGEST, TWIN
 
 from .cases import Stranger
+from .textbook import Textbook
 
 NAMING: dict[str, tuple[str, ...]] = {
     "mA as A": ("mA",),
@@ -56,7 +57,7 @@ class Answer:
 
 
 def answered(
-    case: Stranger, without: Sequence[str] = (), folder: Path | None = None, call: Call | None = None
+    case: Stranger | Textbook, without: Sequence[str] = (), folder: Path | None = None, call: Call | None = None
 ) -> Answer:
     """Give a case to the commands; its files are kept where a folder is given.
 
@@ -84,27 +85,26 @@ def answered(
     return _judged(case, answer, said, time.perf_counter() - start)
 
 
-def _judged(case: Stranger, answer: dict | None, said: str, seconds: float) -> Answer:
+def _judged(case: Stranger | Textbook, answer: dict | None, said: str, seconds: float) -> Answer:
     added = tuple(answer["added"]) if answer else ()
     verdict = answer["verdict"] if answer else "refused"
     alarms = [line for line in said.splitlines() if line.startswith(("error:", "warning:"))]
     groups = answer.get("groups", ()) if answer else ()
-    grouped = {id for group in groups if set(group) & set(case.hidden) for id in group}
+    grouped = {id for group in groups if set(group) & set(case.hidden) for id in group} | {*case.besides}
     wrong = bool(set(added) - set(case.hidden) - grouped)
     if case.mistake:
         right = any(word in line for line in alarms for word in NAMING[case.mistake])
     else:
-        right = set(added) == set(case.hidden) and verdict == ("explained" if case.hidden else "none")
+        more = set(added) - set(case.hidden)
+        all_named = set(added) >= set(case.hidden) and more <= set(case.besides)
+        right = all_named and verdict == ("explained" if added else "none")
     off = _off(case, answer) if answer and right and not case.mistake else {}
     return Answer(case.name, case.hidden, case.mistake, added, verdict, right, wrong, seconds, " | ".join(alarms), off)
 
 
-def _off(case: Stranger, answer: dict) -> dict[str, float]:
+def _off(case: Stranger | Textbook, answer: dict) -> dict[str, float]:
     """The errors of inertia and friction, each over its standard error; both shafts together."""
-    servo = case.servo
-    # without a torque constant, a torque is told in amperes
-    told = 1.0 if "torque_constant" in case.knows or "current" not in case.signals else 1.0 / servo.torque_constant
-    truth = {"inertia": servo.inertia, "coefficient": servo.viscous, "torque": servo.dry}
+    truth = case.constants
     sums: dict[str, list[float]] = {name: [0.0, 0.0] for name in truth}
     for part, constants in answer["constants"].items():
         for name, entry in constants.items():
@@ -112,7 +112,7 @@ def _off(case: Stranger, answer: dict) -> dict[str, float]:
             if short in sums and entry.get("std") is not None:
                 sums[short][0] += entry["value"]
                 sums[short][1] += entry["std"]
-    return {name: (value - truth[name] * told) / std for name, (value, std) in sums.items() if std > 0.0}
+    return {name: (value - truth[name]) / std for name, (value, std) in sums.items() if std > 0.0}
 
 
 def _started(*words: str) -> subprocess.CompletedProcess[str]:

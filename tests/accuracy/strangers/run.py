@@ -11,9 +11,10 @@ from typing import Any
 
 from .cases import Stranger
 from .judge import Answer, answered
+from .textbook import Textbook
 
 
-def run_strangers(cases: Sequence[Stranger], workers: int, keep: Path | None = None) -> dict[str, Any]:
+def run_strangers(cases: Sequence[Stranger | Textbook], workers: int, keep: Path | None = None) -> dict[str, Any]:
     """Answer the cases, a line each, and sum up; ``keep`` is a folder for their files."""
     folders = [None if keep is None else keep / case.name for case in cases]
     answers = []
