@@ -112,7 +112,8 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
     plant = plants[0]
     ratio = plant.gear_ratio
     rigid = plant.two_inertia == 0.0
-    base_dry = plant.motor_dry + (plant.output_dry if rigid else 0.0)
+    # fits of impacts go with the last digit: all measured figures are of the sum less the output's
+    base_dry = plant.motor_dry + plant.output_dry - (0.0 if rigid else plant.output_dry)
     viscous_total = plant.motor_viscous + plant.output_viscous
     bristle = output_bristle = 0.0
     bristled = plant.bristle_stiffness > 0.0

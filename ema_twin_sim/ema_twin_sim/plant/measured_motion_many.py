@@ -93,7 +93,7 @@ def _load_lanes(plants, motion, seen, lanes):
         lanes[SUBSTEP + m] = longest_substep(side)
         lanes[RATIO + m] = plant.gear_ratio
         lanes[VISCOUS_OF_MOTOR + m] = plant.motor_viscous
-        lanes[MOTOR_DRY + m] = plant.motor_dry
+        lanes[MOTOR_DRY + m] = plant.motor_dry + plant.output_dry - plant.output_dry
         share = bristle_share(plant)
         lanes[STIFFNESS_OF_BRISTLE + m] = plant.bristle_stiffness * share
         lanes[DAMPING_OF_BRISTLE + m] = plant.bristle_damping * share
