@@ -35,7 +35,7 @@ def act(at, p):
         at.output_speed         rad/s of the slow shaft
         at.current              A, at.motor_torque N m
         at.transmitted_torque   N m at the fast shaft, passed on to the output
-        at.dry_level            N m, at.viscous_coefficient N m s/rad: the model's friction so far
+        at.dry_level            N m, of the motor's side; at.viscous_coefficient N m s/rad: the model's friction so far
     """
     return p[0] * 0.5 * (1.0 + math.sin(p[1] * at.output_angle + p[2]))
 

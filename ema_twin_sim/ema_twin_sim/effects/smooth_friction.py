@@ -2,8 +2,8 @@
 
 L [N m] is the dry level, with backlash or compliance that of the motor's side. A grease that yields, or many contacts
 that turn round one after another, have no level at standstill: the shaft creeps. Simulators use the same law in place
-of a jump. Andersson, Soderberg, Bjorklund,
-"Friction models for sliding dry, boundary and mixed lubricated contacts" (2007), section 2.
+of a jump. Andersson, Soderberg, Bjorklund, "Friction models for sliding dry, boundary and mixed lubricated contacts"
+(2007), section 2.
 """
 
 import math

@@ -66,7 +66,7 @@ def _checked_parameter(check: _Check, parameter: object, number: int) -> Paramet
     for name in ("periodic", "at_rest"):
         if not isinstance(getattr(parameter, name), bool):
             raise check.error(f"{place}.{name}", f"is {getattr(parameter, name)!r}", "give True or False")
-    driven = float(parameter.driven) if parameter.driven in (True, False) else parameter.driven
+    driven = float(parameter.driven) if isinstance(parameter.driven, bool) else parameter.driven
     if not 0.0 <= check.number(driven, f"{place}.driven") <= 1.0:
         raise check.error(f"{place}.driven", f"is {driven:g}", "give a share of the fastest recorded speed, 0 to 1")
     if parameter.neutral is not None:

@@ -22,7 +22,7 @@ import math
 import numpy as np
 from numba import njit
 
-from .counter import COUNTER_LAG, TURNED, counter_direction, counter_speed, counter_torque, late
+from .counter import COUNTER_LAG, TURNED, counter_at_rest, counter_direction, counter_speed, counter_torque, late
 from .drive import lag_gain
 from .driven_output import driven_output
 from .evaluate import evaluate
@@ -56,12 +56,6 @@ def lagged_line(value, input_before, input_now, interval, time_constant):
         return input_now
     slope = (input_now - input_before) * (time_constant / interval)
     return input_now - slope + (value - input_before + slope) * math.exp(-interval / time_constant)
-
-
-@njit(error_model="numpy")
-def holding_sense(torque, dry, sense):
-    """The direction, -1 to 1, in which dry friction acts while it holds a shaft against a ``torque`` [N m]."""
-    return min(max(torque / dry, -1.0), 1.0) if dry > 0.0 else sense
 
 
 @njit(error_model="numpy")
@@ -231,10 +225,8 @@ def _unexplained(plant, state, effects, before, now, simulated_angle, interval, 
     # a shaft that turns round at speed is not held, though its lagged speed passes through zero
     reverses = not has_speed and math.fabs(speed) > standstill + TURNED * dither / interval
     if math.fabs(sharp) < standstill and not reverses:
-        state.balance_sense = holding_sense(unbalanced, dry, sense)
-        state.balance_direction = 1.0 if unbalanced > 0.0 else -1.0  # in which it would start
-        state.balance_farthest = position
-        state.balance_since = 0.0
+        if not has_speed:
+            counter_at_rest(state, position, unbalanced, dry)
         unbalanced = held_by_dry_friction(unbalanced, break_away)
     else:
         unbalanced -= sliding

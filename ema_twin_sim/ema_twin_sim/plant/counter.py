@@ -23,29 +23,41 @@ def counter_speed(state, speed, interval):
 
 
 @njit(error_model="numpy")
+def _moves(state, direction, position):
+    """Let the counter move in a ``direction`` (-1 or 1) from a ``position`` [rad] on."""
+    state.balance_direction = direction
+    state.balance_farthest = position
+    state.balance_since = 0.0
+
+
+@njit(error_model="numpy")
 def counter_direction(state, position, dither, interval):
     """Direction of motion, -1 to 1, after the first lag, by a counter's ``position``, which noise moves by ``dither``.
 
     Both are in rad. The shaft turned round when the counter was farthest, which shows only once it has come back.
     """
     if state.balance_ready == 0.0:
-        state.balance_direction = 1.0 if state.balance_speed_1 > 0.0 else -1.0
+        _moves(state, 1.0 if state.balance_speed_1 > 0.0 else -1.0, position)
         state.balance_sense = state.balance_direction
-        state.balance_farthest = position
-        state.balance_since = 0.0
         return state.balance_sense
-    state.balance_sense += lag_gain(interval, COUNTER_LAG) * (state.balance_direction - state.balance_sense)
+    direction = state.balance_direction
+    state.balance_sense += lag_gain(interval, COUNTER_LAG) * (direction - state.balance_sense)
     state.balance_since += interval
-    ahead = (position - state.balance_farthest) * state.balance_direction
+    ahead = (position - state.balance_farthest) * direction
     if ahead >= 0.0:
-        state.balance_farthest = position
-        state.balance_since = 0.0
+        _moves(state, direction, position)
     elif -ahead > TURNED * dither:
-        state.balance_direction = -state.balance_direction
-        state.balance_sense += 2.0 * state.balance_direction * lag_gain(state.balance_since, COUNTER_LAG)
-        state.balance_farthest = position
-        state.balance_since = 0.0
+        state.balance_sense -= 2.0 * direction * lag_gain(state.balance_since, COUNTER_LAG)
+        _moves(state, -direction, position)
     return state.balance_sense
+
+
+@njit(error_model="numpy")
+def counter_at_rest(state, position, torque, dry):
+    """Let a shaft be held against a ``torque`` [N m] by friction of the level ``dry``: in its sense it would start."""
+    if dry > 0.0:
+        state.balance_sense = min(max(torque / dry, -1.0), 1.0)
+    _moves(state, 1.0 if torque > 0.0 else -1.0, position)
 
 
 @njit(error_model="numpy")

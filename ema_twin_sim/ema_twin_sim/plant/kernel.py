@@ -138,7 +138,7 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
         bristle_damping = plant.bristle_damping * share
         output_bristle_stiffness = plant.bristle_stiffness * (1.0 - share)
         output_bristle_damping = plant.bristle_damping * (1.0 - share)
-        # effects see the model's total dry level; their changes apply to the motor side
+        # effects see and change the dry level of the motor's side: with a rigid transmission, all of it
         acting = effects[0].shape[0] > 0
         plain = not (acting or stops or asymmetry != 0.0 or bristled)
         torque = output_torque = thinned = 0.0

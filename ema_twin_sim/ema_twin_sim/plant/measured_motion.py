@@ -58,6 +58,16 @@ def with_friction(
 
 
 @njit(error_model="numpy")
+def base_dry_level(plant):
+    """Dry level [N m] of the motor's side: with a rigid transmission, all of it.
+
+    As the sum less the output's, since fits of impacts go with the last digit, and recorded figures are of that one.
+    """
+    total = plant.motor_dry + plant.output_dry
+    return total if plant.two_inertia == 0.0 else total - plant.output_dry
+
+
+@njit(error_model="numpy")
 def operating_point(plant, now, motor_origin, output_origin, transmitted, dry):
     """Operating point of a measured motion's row ``now``, with a transmitted torque and a dry level [N m]."""
     return OperatingPoint(
@@ -112,8 +122,7 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
     plant = plants[0]
     ratio = plant.gear_ratio
     rigid = plant.two_inertia == 0.0
-    # fits of impacts go with the last digit: all measured figures are of the sum less the output's
-    base_dry = plant.motor_dry + plant.output_dry - (0.0 if rigid else plant.output_dry)
+    base_dry = base_dry_level(plant)
     viscous_total = plant.motor_viscous + plant.output_viscous
     bristle = output_bristle = 0.0
     bristled = plant.bristle_stiffness > 0.0

@@ -11,7 +11,7 @@ from numba import float64, int64, njit, void
 
 from .evaluate import evaluate
 from .friction import bristle_share
-from .measured_motion import MEETINGS, operating_point, with_friction, with_load
+from .measured_motion import MEETINGS, base_dry_level, operating_point, with_friction, with_load
 from .motion import LOAD, MOTOR_ANGLE, SPEED, TIME
 from .output_side import LOW_SPEED, OutputSide, first_output_angle, longest_substep, output_side, output_step, sign
 from .signatures import PLANTS
@@ -93,7 +93,7 @@ def _load_lanes(plants, motion, seen, lanes):
         lanes[SUBSTEP + m] = longest_substep(side)
         lanes[RATIO + m] = plant.gear_ratio
         lanes[VISCOUS_OF_MOTOR + m] = plant.motor_viscous
-        lanes[MOTOR_DRY + m] = plant.motor_dry + plant.output_dry - plant.output_dry
+        lanes[MOTOR_DRY + m] = base_dry_level(plant)
         share = bristle_share(plant)
         lanes[STIFFNESS_OF_BRISTLE + m] = plant.bristle_stiffness * share
         lanes[DAMPING_OF_BRISTLE + m] = plant.bristle_damping * share
