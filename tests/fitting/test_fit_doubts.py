@@ -38,9 +38,11 @@ def test_a_fit_that_holds_on_its_own_recordings_only_says_so():
     assert note.startswith("on what was not fitted to") and "current" in note and "that of the speed" in note
 
 
-def test_where_as_many_signals_are_nearer_there_the_model_as_it_was_is_not():
+def test_what_counts_there_is_by_how_much_the_errors_grew_and_shrank():
     own = errors(0.016, 0.5), errors(0.010, 0.4)
     assert no_nearer(*own, errors(0.016, 0.5), errors(0.020, 0.2), by_equation=False, hit=False) == []
+    (note,) = no_nearer(*own, errors(0.016, 0.5), errors(0.024, 0.45), by_equation=False, hit=False)
+    assert note.endswith("the error of the current grows from 16.0 mA to 24.0 mA")
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import sys
 from collections.abc import Sequence
 
 from ..comparison.beyond_noise import times_noise, times_words
@@ -14,8 +16,8 @@ from .unseen import Errors
 def no_nearer(
     own_before: Errors, own_after: Errors, before: Errors, after: Errors, *, by_equation: bool, hit: bool
 ) -> list[str]:
-    """A note if signals are farther off after a fit: on its ``own`` recordings, or else more of them than are nearer
-    where it was not fitted to.
+    """A note if signals are farther off after a fit: on its ``own`` recordings, or else where it was not fitted to, if
+    their errors grew by more than those of the others shrank.
 
     Errors are in the units of the model's file. ``by_equation``: the fit left out standstill, which the errors count;
     ``hit``: teeth meet in the model.
@@ -30,7 +32,7 @@ def no_nearer(
             "the fit does not bring the model nearer to these recordings: the error of the "
             f"{_both(farther, own_before, own_after)}; {why}. Keep the model as it was"
         ]
-    if (farther := _grew(before, after)) and len(_grew(after, before)) < len(farther):
+    if (farther := _grew(before, after)) and _growth(before, after) > 0.0:
         told = _both(farther, before, after)
         return [f"on what was not fitted to, the model as it was is nearer: the error of the {told}"]
     return []
@@ -60,12 +62,25 @@ def tells(signal: str, error: SignalError, errors: Errors) -> bool:
 
 def _grew(before: Errors, after: Errors) -> list[str]:
     """The signals whose errors grew beyond the noise."""
-    return [
-        signal
+    return [signal for signal, growth in _growths(before, after).items() if growth > math.log1p(NEGLIGIBLE)]
+
+
+def _growth(before: Errors, after: Errors) -> float:
+    """Logarithm by which the errors grew, all signals together: each counts in units of its own."""
+    return sum(_growths(before, after).values())
+
+
+def _growths(before: Errors, after: Errors) -> dict[str, float]:
+    """Logarithm by which each error grew that says something; errors within the noise count as the noise."""
+
+    def above(error: SignalError) -> float:
+        return max(error["rmse"], NOISY * error["noise_floor"], sys.float_info.min)
+
+    return {
+        signal: math.log(above(error) / above(before[signal]))
         for signal, error in after.items()
         if tells(signal, error, after)
-        and error["rmse"] > (1.0 + NEGLIGIBLE) * max(before[signal]["rmse"], NOISY * error["noise_floor"])
-    ]
+    }
 
 
 def _both(signals: Sequence[str], before: Errors, after: Errors) -> str:
