@@ -36,6 +36,7 @@ from ..criteria.worth import (
     standing_on,
 )
 from .found_orders import order_candidates, resolved
+from .laws import with_best_laws
 from .trace import Round, Trial, new_names
 
 ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
@@ -148,7 +149,10 @@ def take_best(current: Fit, tried: Sequence[Fit]) -> Round:
         return Round(current, trials, current)
     balanced = fit(took.fit.problem, took.fit.hypothesis.balanced())
     fresh = [name for name in took.names if name in balanced.hypothesis.added]
-    after = prune(settle(hopped(balanced, fresh) if balanced.parted else balanced))
+    settled = settle(hopped(balanced, fresh) if balanced.parted else balanced)
+    if not current.parted:  # beside a gearbox that is there already, once at the end of the search
+        settled = with_best_laws(settled)
+    after = prune(settled)
     return Round(current, trials, after, took.names, new_names(after, took.fit))
 
 

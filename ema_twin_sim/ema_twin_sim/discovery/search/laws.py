@@ -1,27 +1,33 @@
-"""Laws: the form of an effect's equation that explains most, once all other effects are there.
+"""Laws: the form of an effect's equation that explains most beside the other effects.
 
-A round compares the forms beside what is still missing then, which may favour the wrong one.
+A round that adds an effect compares the forms beside what is still missing then, which may favour the wrong one; the
+wrong form leaves a remainder, for which a search would take further effects.
 """
 
 from __future__ import annotations
 
 from ...effects import catalogue
-from ...identification.fit import fit
+from ...identification.fit import Fit, fit
 from ..criteria.worth import penalised_gain
 from .trace import Search
 
 
-def under_best_laws(found: Search) -> Search:
-    """The search with each added effect under the law of its equation that explains most."""
-    for name, held in found.fit.hypothesis.added.items():
+def with_best_laws(f: Fit) -> Fit:
+    """A fit with each added effect under the law of its equation that explains most; the same one if it has these."""
+    for name, held in f.hypothesis.added.items():
         effect = catalogue()[held.effect]
         for law in effect.options[effect.law] if effect.law else ():
-            h = found.fit.hypothesis
-            instance = h.instance(name)
+            instance = f.hypothesis.instance(name)
             if law == instance.options[effect.law]:
                 continue
-            under = h.without(name).with_effect(effect.id, {**instance.options, effect.law: law}, instance.parameters)
-            rival = fit(found.problem, under)
-            if penalised_gain(found.fit, rival) > 0.0:
-                found = found.refitted(rival)
-    return found
+            options = {**instance.options, effect.law: law}
+            rival = fit(f.problem, f.hypothesis.without(name).with_effect(effect.id, options, instance.parameters))
+            if penalised_gain(f, rival) > 0.0:
+                f = rival
+    return f
+
+
+def under_best_laws(found: Search) -> Search:
+    """The search with each added effect at its end under the law that explains most."""
+    best = with_best_laws(found.fit)
+    return found if best is found.fit else found.refitted(best)
