@@ -4,7 +4,7 @@ import pytest
 
 from ema_twin_sim.discovery.criteria.worth import standing_on
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.search.adding import settle, trial_of
+from ema_twin_sim.discovery.search.adding import settle, take_best, trial_of
 from ema_twin_sim.discovery.search.laws import under_best_laws
 from ema_twin_sim.discovery.search.removing import significant
 from ema_twin_sim.discovery.search.trace import Round, Search
@@ -43,6 +43,14 @@ def test_the_true_law_is_taken_with_its_numbers(law, true_law, stock):
     assert instance.parameters == pytest.approx(STRIBECK, rel=0.05)
     assert ended.changes[-1].after is ended.fit and len(ended.rounds) == len(found.rounds)
     assert (ended is found) == (law == true_law)
+
+
+def test_a_round_ends_under_the_true_law_so_that_no_effect_is_taken_for_the_rest(stock):
+    found = found_under("gaussian", "exponential", stock)
+    turn = take_best(found.rounds[0].before, [found.fit])
+    (name,) = turn.added
+    assert turn.after.hypothesis.added[name].options == {"law": "exponential"}
+    assert turn.after.misfit < found.fit.misfit
 
 
 def test_no_second_law_is_offered_beside_the_first(stock):
