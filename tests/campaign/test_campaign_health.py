@@ -203,6 +203,7 @@ def test_a_run_without_motion_keeps_why():
     assert "no stroke" in again.acquisition.findings[0]
 
 
+@pytest.mark.slow
 def test_a_real_ball_screw_is_judged_by_two_verbs(real, tmp_path):
     """Cranfield's rig: learnt from seven of its ten healthy tests, as the pattern says, and judged on all else."""
     folder, told = real / "cranfield_20kg", tmp_path / "units.json"

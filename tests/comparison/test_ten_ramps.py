@@ -32,6 +32,7 @@ def found_on_even(ramps, stock):
     return discover([load(path) for path in ramps[1::2]], stock)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fitted, judged", [("odd", "even"), ("even", "odd")])
 def test_what_five_ramps_find_is_ten_times_closer_on_each_of_the_other_five(fitted, judged, ramps, stock, request):
     found = request.getfixturevalue(f"found_on_{fitted}")

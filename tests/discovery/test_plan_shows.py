@@ -101,6 +101,7 @@ def test_friction_that_follows_a_load_asks_for_a_long_way_to_and_fro(stock):
     assert shown("triangle:0.1:10") > 2.0 * shown("triangle:0.1:2.5")
 
 
+@pytest.mark.slow
 def test_an_output_that_hardly_turned_is_asked_to_turn(stock):
     """Neither gravity nor an encoder off its centre shows within a small part of a turn."""
     asked = plan([virtual_bench(stock, parse_command("triangle:0.04:1"), 12.0, seed=1)], stock)

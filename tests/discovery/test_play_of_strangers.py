@@ -55,6 +55,7 @@ def test_play_is_named_whatever_its_width(ratio, gap, rate, tmp_path):
     assert found.parameters["backlash"]["width"]["value"] == pytest.approx(width, rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("ratio", "rate"), [(1.0, 500.0), (50.0, 250.0)])
 def test_an_encoder_off_its_centre_is_named_beside_any_ratio(ratio, rate, tmp_path):
     recordings, model = drafted(changed(OFF_CENTRE, rate, ratio=ratio), tmp_path)

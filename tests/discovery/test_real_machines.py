@@ -48,6 +48,7 @@ def test_emps_lacks_friction_that_depends_on_the_direction(emps):
     assert on_train <= 0.0315 and on_pulses < force_errors([pulses], symmetric)[0]
 
 
+@pytest.mark.slow
 def test_emps_is_followed_by_its_published_controller(emps):
     """The model's own position loop on the recorded command: nothing of the motion is given."""
     model = discover(emps[:1], load_model("emps_mass")).model
@@ -57,6 +58,7 @@ def test_emps_is_followed_by_its_published_controller(emps):
     assert train.signals["motor_torque"]["relative"] <= 0.065
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("axis", "delay"), [("axis1", 3.08e-3), ("axis3", 2.98e-3)])
 def test_kukas_encoders_part_by_a_delay_and_by_no_play(real, axis, delay):
     """Two standard errors of the published 2.8 to 3.0 ms; plain least squares of each record give 2.94 to 3.13 ms."""
@@ -86,6 +88,7 @@ def test_laas_motor_cogs_at_orders_that_nobody_told(real):
     assert found.unseen.rmse[-1] <= 0.027
 
 
+@pytest.mark.slow
 def test_laas_motor_in_motion_rubs_and_cogs(real):
     """0.019 A are left with Coulomb friction, as published; the cogging that rest shows, motion shows too."""
     record = read_trace(real / "laas_sine_current.csv", load_map("laas_sine"))

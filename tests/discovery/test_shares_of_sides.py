@@ -39,6 +39,7 @@ def test_beside_play_each_side_is_within_what_is_told_of_it(tmp_path):
     assert float(dry[0]) == pytest.approx(20.0, abs=3.0 * float(dry[1]))
 
 
+@pytest.mark.slow
 def test_without_play_it_is_said_that_only_the_sum_is_told(tmp_path):
     found = found_in(tmp_path, None)
     assert any("determine only sums: inertia and dry friction of motor and output" in text for text in found.warnings)

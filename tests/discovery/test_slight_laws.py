@@ -63,6 +63,7 @@ def test_a_narrow_transition_is_no_missing_effect(machine):
     assert (found.verdict, found.added) == ("none", ())
 
 
+@pytest.mark.slow
 def test_a_wide_transition_is_named_with_its_speed(machine):
     found = discover([swung(tanh(0.05 * FASTEST), seed=seed) for seed in (1, 2, 3)], machine)
     assert (found.verdict, found.added) == ("explained", ("smooth_friction",))
@@ -70,6 +71,7 @@ def test_a_wide_transition_is_named_with_its_speed(machine):
     assert speed["value"] == pytest.approx(0.05 * FASTEST, rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_load_is_named_alone_beside_a_law_that_no_effect_has(machine):
     """An arctangent's long tails look like a lubricant that thins, by less than a hundredth of the torque."""
 

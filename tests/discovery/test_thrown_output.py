@@ -92,6 +92,7 @@ def _begun_at(first, whole, stock):
     return predicted.plant[0], behind
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("width", "run"),
     [(0.01, ("triangle:0.2:2",)), (0.01, ("triangle:0.4:2",)), (0.02, ("triangle:0.2:3",))],
@@ -102,6 +103,7 @@ def test_wide_play_is_all_that_is_missing(width, run, stock):
     assert found.parameters["backlash"]["width"]["value"] == pytest.approx(width, rel=0.01)
 
 
+@pytest.mark.slow
 def test_play_that_throws_its_output_is_named_and_sized(thrown, stock):
     """What is left of such impacts goes with the last digit of what is measured: the verdict is either."""
     found = discover(thrown, stock)

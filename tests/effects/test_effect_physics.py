@@ -39,7 +39,9 @@ POINT = OperatingPoint(
 EQUATIONS = (
     ("stribeck_friction", (0.08, 2.0, 1.0), 0.08 * math.exp(-2.0)),
     ("stribeck_friction", (0.08, 2.0, 2.0), 0.08 * math.exp(-4.0)),
-    ("smooth_friction", (2.0,), -0.11 * (1.0 - math.tanh(2.0))),
+    ("smooth_friction", (2.0, 0.0), -0.11 * (1.0 - math.tanh(2.0))),
+    ("smooth_friction", (2.0, 1.0), -0.11 * (1.0 - math.atan(math.pi) / (0.5 * math.pi))),
+    ("smooth_friction", (2.0, 2.0), -0.11 * (1.0 - 2.0 / math.sqrt(5.0))),
     ("sun_runout", (0.02, 0.5), 0.02 * math.sin(1.2)),
     ("quadratic_drag", (1e-3,), -1e-3 * 16.0),
     ("shear_thinning", (0.4, 8.0), -0.4 * 0.0255 * 4.0 / 12.0),

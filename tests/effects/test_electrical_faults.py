@@ -131,6 +131,7 @@ def recorded(model):
     return [virtual_bench(model, parse_command(c), 6.0, seed=k) for k, c in enumerate(commands)]
 
 
+@pytest.mark.slow
 @faults
 def test_a_fault_of_a_switching_bench_is_discovered_by_the_averaged_model(stock, id):
     found = discover(recorded(faulty(load_model("polito_hf"), id)), stock)

@@ -31,6 +31,7 @@ def test_no_effect_where_the_signal_is_missing(stock):
     assert "with the output encoder recorded" in message
 
 
+@pytest.mark.slow
 def test_no_effect_of_what_is_not_there(stock):
     result = fit_model(bench(stock, SLOW), stock.with_effect("sun_runout"))
     assert ("sun_runout", "torque") in warned(result, "no_effect")
@@ -91,6 +92,7 @@ def test_inertias_scaled_together_may_be_off_by_what_the_least_known_is(stock):
     assert not warned(result, "absurd")
 
 
+@pytest.mark.slow
 def test_absurd_where_the_recordings_are_too_short(stock):
     true = stock.with_effect("thermal_friction", {"fraction": 0.9, "time_constant": 100.0})
     result = fit_model(bench(true, ("ramp:0.2", "triangle:0.1:1")), stock.with_effect("thermal_friction"))
@@ -105,6 +107,7 @@ def test_typical_values_are_not_absurd_and_rules_name_what_exists(stock):
         assert {rule.parameter for rule in effect.implausible} <= {*effect.default_parameters()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["equation", "simulation"])
 def test_a_fit_that_leaves_much_says_so(method, stock):
     """Whatever its rows are weighed by, what is left is held against the sensors' noise."""

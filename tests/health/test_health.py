@@ -173,6 +173,7 @@ def test_a_magnitude_is_told_and_names_no_load():
     assert judge(run(rng, "another", friction=1.3, stick=1.0, magnitude=True), learnt).family is Family.FRICTION_UP
 
 
+@pytest.mark.slow
 def test_an_effort_that_is_never_positive_keeps_its_sign():
     """It never changes its sign either, but a magnitude is not negative."""
     rng = np.random.default_rng(8)

@@ -122,6 +122,7 @@ def test_nothing_is_on_a_bound_where_all_is_well():
     assert np.isfinite(arm.value("machine.motor_inertia"))
 
 
+@pytest.mark.slow
 def test_no_load_is_named_where_the_torque_drives_neither_inertia_nor_friction():
     """A joint that somebody moves: its motor follows, and what it gives has nothing of the joint's own."""
     arm = open_arm().without_effect("gravity_load")

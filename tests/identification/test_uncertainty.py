@@ -35,6 +35,7 @@ def told_over_true(random, slopes, which, noise):
     return np.mean(told, axis=0) / np.var(estimates, axis=0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("alone", [1.0, 3.0, 10.0])
 def test_white_noise_is_told_as_large_as_it_is_however_little_other_recordings_show(alone):
     random = np.random.default_rng(4)

@@ -317,6 +317,7 @@ class TestTrend:
         assert trend._errors["current"]._rows is room
 
 
+@pytest.mark.slow
 def test_the_process_judges_and_is_asked_again(recording):
     model = load_model("polito_bench")
     worker = WorkerProcess()

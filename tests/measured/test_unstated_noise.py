@@ -61,6 +61,7 @@ def test_signals_without_noise_change_nothing(tmp_path):
     assert with_noise_of([smooth], model) == (model, "")
 
 
+@pytest.mark.slow
 def test_compare_prints_no_noise_of_zero(tmp_path):
     run = recorded("current")
     rows = zip(TIME, *run.signals.values(), strict=True)

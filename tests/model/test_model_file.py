@@ -208,6 +208,7 @@ def test_names_of_instances(tmp_path, content, name):
     assert f"effects.{name}: an instance of {effect}" in refused(tmp_path, content)
 
 
+@pytest.mark.slow
 def test_values_that_no_program_can_hold(tmp_path, content):
     content["machine"]["gear_ratio"]["value"] = 10**400
     assert "too large" in refused(tmp_path, content)

@@ -53,6 +53,7 @@ def swapped(files, folder, one, other):
     return written
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("one", "other", "said"),
     [

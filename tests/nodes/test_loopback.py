@@ -129,6 +129,7 @@ while not heard:
 """
 
 
+@pytest.mark.slow
 def test_a_plain_node_of_this_machine_hears_it(start):
     """ROS's own tools look for nodes in the whole network, this machine in it."""
     start("ema_twin_sim.nodes.twin", "input:=standalone")

@@ -54,6 +54,7 @@ def test_live_equals_compare(recording, model, rate, seconds):
     assert [pair.stamp for pair in pairs] == [part.start + stamp for stamp in part.stamps.tolist()]
 
 
+@pytest.mark.slow
 def test_pause_and_seek_back_change_nothing(graph, recording, model):
     recording = recording.between(0.0, 5.0)
     twin = graph.add(TwinNode, model)
@@ -97,6 +98,7 @@ def test_a_run_that_starts_later_equals_that_part(graph, recording, model):
     assert_same(monitor.comparison.result(), recording.between(17.0), model)
 
 
+@pytest.mark.slow
 def test_an_effect_switched_on_acts_while_running(recording, model):
     part = recording.between(0.0, 3.0)
     pairs = []

@@ -27,6 +27,7 @@ EFFECT = Effect(
 pytestmark = pytest.mark.usefixtures("catalogue_of_the_package")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quicker", [1.0, 4.0])
 def test_the_numbers_of_an_own_effect_are_those_of_si(quicker, tmp_path):
     recording, model = drafted(tmp_path, "late", quicker)

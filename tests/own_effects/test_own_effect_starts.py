@@ -78,6 +78,7 @@ def test_it_is_found_with_its_numbers_from_a_bad_default(kind, tmp_path, stock):
         assert abs(held["value"] - true) < 4.0 * held["std"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["angle", "speed"])
 def test_it_is_fitted_from_a_bad_default(kind, tmp_path, stock):
     effect, hidden, runs = recorded(tmp_path, stock, kind)

@@ -40,6 +40,7 @@ def test_every_room_has_its_line():
     assert folders <= {*rooms.COLOURS}
 
 
+@pytest.mark.slow
 def test_the_picture_shows_todays_imports():
     drawn = re.search(r"<dc:description>(.*?)</dc:description>", ROOMS.read_text(), re.DOTALL)[1]
     assert drawn.split("; ") == rooms.in_words(), "make figures draws it anew"

@@ -45,6 +45,7 @@ def test_train_and_load_balance(tmp_path, load, current, speed):
     assert abs(missing) <= TOLERANCE * through
 
 
+@pytest.mark.slow
 def test_a_soft_shaft_keeps_the_balance(tmp_path):
     # what the shaft's spring holds is booked with its damper's loss: it swings, so it ends within what it can hold
     model = planetary_model(tmp_path, shaft_stiffness=700.0).with_effect("constant_load", {"torque": 0.5})

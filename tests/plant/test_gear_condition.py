@@ -52,6 +52,7 @@ def test_a_healthy_gearbox_shows_its_first_mesh_only(amplitudes):
     assert found[15.0] < 0.01 * found[15.75]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "condition, order",
     [

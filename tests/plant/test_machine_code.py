@@ -49,6 +49,7 @@ def lines_of(program):
     return ran.stdout.splitlines()
 
 
+@pytest.mark.slow
 def test_kept_code_is_loaded_without_the_compiler_which_is_there_when_it_is_needed(tmp_path):
     program = tmp_path / "loaded.py"
     program.write_text(LOADED)
@@ -58,6 +59,7 @@ def test_kept_code_is_loaded_without_the_compiler_which_is_there_when_it_is_need
     assert float(compiled) == pytest.approx(2.0)
 
 
+@pytest.mark.slow
 def test_kept_code_of_others_is_loaded_as_ever(tmp_path):
     program = tmp_path / "of_others.py"
     program.write_text(OF_OTHERS)

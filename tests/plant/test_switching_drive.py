@@ -64,6 +64,7 @@ def test_a_locked_rotor_answers_a_step_as_resistance_and_inductance_do():
     np.testing.assert_allclose(run["phase_current_v"], -0.5 * expected, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_turning_winding_is_second_order_in_the_step():
     """Legs that never switch, so that nothing but the integration counts: half the step, a quarter of the error."""
 

@@ -45,6 +45,7 @@ class TestRoundTrip:
         st.integers(0, 2**31 * 10**9 - 10**12),
         st.floats(-1e6, 1e6),
     )
+    @pytest.mark.slow
     @settings(max_examples=60, deadline=None)
     def test_any_recording(self, tmp_path_factory, parts, start, origin):
         steps, signals = parts

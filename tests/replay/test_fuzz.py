@@ -18,6 +18,7 @@ from tests.fuzz.worker import Worker
 FEW = 250
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_what_is_read_breaks_no_promise(name, tmp_path):
     found = read_inputs(name, tmp_path, FEW, seed=7)
@@ -26,6 +27,7 @@ def test_what_is_read_breaks_no_promise(name, tmp_path):
     assert found["read"] > 0 and found["refused"] > 0  # it is neither all noise nor all the examples themselves
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("breaks", "told"),
     [
@@ -40,6 +42,7 @@ def test_what_breaks_a_promise_is_found(breaks, told, tmp_path):
     assert any(re.fullmatch(told, fault) for fault in worker.faults), worker.faults
 
 
+@pytest.mark.slow
 def test_a_process_that_waits_for_a_processor_is_not_taken_to_hang(tmp_path, monkeypatch):
     """On a busy machine half a minute passed between two inputs of a millisecond each."""
     monkeypatch.setattr(run, "PATIENCE", 0.3)

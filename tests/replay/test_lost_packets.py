@@ -83,6 +83,7 @@ FEW = 8
 """Tries of 0.1 s each that a sample may need; where Fast DDS asks once in 3 s, its default, it is 13 to 30."""
 
 
+@pytest.mark.slow
 def test_what_was_dropped_comes_without_a_halt(graph):
     """A burst of nearly all samples that are kept is more than the kernel's buffer of a process that stands still."""
     publisher = KeepAllPublisher(graph.plain_node("writer"), EmaState, "/stream", qos.STATE)

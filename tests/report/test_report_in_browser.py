@@ -32,6 +32,7 @@ def report(tmp_path_factory, written):  # noqa: F811
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("width", "scheme"), [(1280, "light"), (400, "dark")])
 def test_every_chart_is_drawn_and_everything_fits(browser, report, tmp_path, width, scheme):
     for heard in (browser.errors, browser.warnings, browser.requested):
@@ -45,6 +46,7 @@ def test_every_chart_is_drawn_and_everything_fits(browser, report, tmp_path, wid
     assert (tmp_path / "page.png").stat().st_size > 100_000
 
 
+@pytest.mark.slow
 def test_text_stands_out_of_its_ground(browser, report):
     """The contrast of text and of plots' text, which accessibility guidelines want to be 4.5 or more."""
     contrast = """(() => {
@@ -94,6 +96,7 @@ def test_a_name_in_the_key_hides_its_curves(browser, report):
     browser.wait(f"{shown} === 3")
 
 
+@pytest.mark.slow
 def test_it_prints_on_light_ground(browser, report, tmp_path):
     browser.look(report, scheme="dark")
     colour = "document.querySelector('.chart text').style.fill"

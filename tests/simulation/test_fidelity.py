@@ -68,6 +68,7 @@ def test_verbs_of_one_fidelity(kind, models, traces, tmp_path):
     assert load_model(tmp_path / "back.yaml").kinds == load_model(models[kind]).kinds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_live_as_fast_as_it_goes_gives_what_compare_gives(kind, models, traces):
     recording = load(next(path for path in traces if "triangle" in path.name)).between(0.0, 0.4)
