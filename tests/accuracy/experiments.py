@@ -53,11 +53,11 @@ def null_cases(seed: int, count: int) -> list[Case]:
 
 
 def law_cases(seed: int, count: int) -> list[Case]:
-    """Cases that hide Stribeck friction under each of its laws in turn, on the stock bench and on other machines."""
-    laws = catalogue()["stribeck_friction"].options["law"]
+    """Cases that hide one effect under each of its laws in turn, on the stock bench and on other machines."""
+    laws = [(id, law) for id, e in catalogue().items() if e.law for law in e.options[e.law]]
     cases = []
-    for k, (make, law) in enumerate(itertools.islice(itertools.cycle(itertools.product(_BENCHES, laws)), count)):
-        case = make(f"{k:03d}_{law}", law, ["stribeck_friction"], (seed, 6000, k))
+    for k, (make, (id, law)) in enumerate(itertools.islice(itertools.cycle(itertools.product(_BENCHES, laws)), count)):
+        case = make(f"{k:03d}_{law}", law, [id], (seed, 6000, k))
         cases.append(replace(case, causes=tuple(replace(cause, options={"law": law}) for cause in case.causes)))
     return cases
 

@@ -8,7 +8,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from .layout import ON_MOTOR, ON_MOTOR_LEVEL, ON_MOTOR_TORQUE, ON_OUTPUT, ON_OUTPUT_LEVEL
+from .layout import (
+    ON_MOTOR,
+    ON_MOTOR_LEVEL,
+    ON_MOTOR_TORQUE,
+    ON_OUTPUT,
+    ON_OUTPUT_LEVEL,
+    SMOOTH_LAWS,
+    STRIBECK_LAWS,
+)
 
 MESH_ORDER = 15.75
 
@@ -43,7 +51,12 @@ def _inertia(plant, harmonics, bursts, values, options, random, seconds):
 def _stribeck(plant, harmonics, bursts, values, options, random, seconds):
     plant["stribeck_level"] = values["torque"]
     plant["stribeck_speed"] = values["speed"]
-    plant["stribeck_is_gaussian"] = options.get("law", "exponential") == "gaussian"
+    plant["stribeck_law"] = STRIBECK_LAWS.index(options.get("law", STRIBECK_LAWS[0]))
+
+
+def _smooth(plant, harmonics, bursts, values, options, random, seconds):
+    plant["smooth_speed"] = values["speed"]
+    plant["smooth_law"] = SMOOTH_LAWS.index(options.get("law", SMOOTH_LAWS[0]))
 
 
 def _presliding(plant, harmonics, bursts, values, options, random, seconds):
@@ -126,7 +139,7 @@ HIDE: dict[str, Callable[..., None]] = {
     "viscous_friction": _nothing,
     "coulomb_friction": _nothing,
     "stribeck_friction": _stribeck,
-    "smooth_friction": _adds(smooth_speed="speed"),
+    "smooth_friction": _smooth,
     "asymmetric_friction": _adds(asymmetry="fraction"),
     "presliding_friction": _presliding,
     "quadratic_drag": _adds(drag="coefficient"),

@@ -17,6 +17,10 @@ ON_OUTPUT_LEVEL = 4.0  # dry level of the output at the output encoder's angle
 BURST_COLUMNS = 3
 """Columns of the table of bursts: start [s], end [s], dry level [N m]; by rising start, none overlapping."""
 
+STRIBECK_LAWS = ("exponential", "gaussian", "lorentzian")
+SMOOTH_LAWS = ("tanh", "arctangent", "root")
+"""Their numbers in the record are their places here."""
+
 PLANT = np.dtype(
     [
         (name, np.float64)
@@ -47,8 +51,9 @@ PLANT = np.dtype(
             "elastic_share",  # share of the bristle's travel that springs back wholly; below 0: a plain LuGre bristle
             "stribeck_level",
             "stribeck_speed",
-            "stribeck_is_gaussian",
+            "stribeck_law",
             "smooth_speed",  # rad/s over which dry friction builds up; 0: it is there at once
+            "smooth_law",
             "asymmetry",
             "mesh_coefficient",
             "drag",  # N m s2/rad2

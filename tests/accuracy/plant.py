@@ -11,9 +11,11 @@ import math
 import numpy as np
 from numba import boolean, float64, from_dtype, int64, njit, void
 
-from .layout import ON_MOTOR, ON_MOTOR_LEVEL, ON_MOTOR_TORQUE, ON_OUTPUT, PLANT, STEP
+from .layout import ON_MOTOR, ON_MOTOR_LEVEL, ON_MOTOR_TORQUE, ON_OUTPUT, PLANT, SMOOTH_LAWS, STEP, STRIBECK_LAWS
 
 _MEMORY = 2048  # steps that the output encoder's line remembers: 32 ms
+GAUSSIAN, LORENTZIAN = STRIBECK_LAWS.index("gaussian"), STRIBECK_LAWS.index("lorentzian")
+TANH, ARCTANGENT = SMOOTH_LAWS.index("tanh"), SMOOTH_LAWS.index("arctangent")
 
 
 @njit(inline="always")
@@ -35,6 +37,14 @@ def _bristle(bend, speed, level, stiffness, elastic):
         plastic = share * share * (3.0 - 2.0 * share) if bend * speed > 0.0 else 0.0
     after = (bend + STEP * speed) / (1.0 + STEP * plastic * abs(speed) / full)
     return _within(after, full)
+
+
+@njit(inline="always")
+def _built_up(share, law):
+    """Share of the dry level at a ``share`` of the transition speed."""
+    if law == TANH:
+        return math.tanh(share)
+    return 2.0 / math.pi * math.atan(0.5 * math.pi * share) if law == ARCTANGENT else share / math.hypot(1.0, share)
 
 
 @njit(inline="always")
@@ -199,7 +209,10 @@ def run(plants, harmonics, bursts, command, speed_noise, cycle, samples, held, s
         pace = abs(speed)
         if p.stribeck_level != 0.0:
             share = pace / p.stribeck_speed
-            level += p.stribeck_level * math.exp(-share * share if p.stribeck_is_gaussian != 0.0 else -share)
+            if p.stribeck_law == LORENTZIAN:
+                level += p.stribeck_level / (1.0 + share * share)
+            else:
+                level += p.stribeck_level * math.exp(-share * share if p.stribeck_law == GAUSSIAN else -share)
         if p.bump_level != 0.0:
             level += p.bump_level * math.exp(-(((pace - p.bump_speed) / p.bump_width) ** 2))
         level += p.mesh_coefficient * abs(passed)
@@ -211,8 +224,8 @@ def run(plants, harmonics, bursts, command, speed_noise, cycle, samples, held, s
             drag -= p.thinning * viscous * pace / (pace + p.thinning_speed)
         out_drag = p.output_viscous * mood
         if p.smooth_speed != 0.0:
-            level *= math.tanh(pace / p.smooth_speed)
-            out_level *= math.tanh(abs(out_speed) / p.smooth_speed)
+            level *= _built_up(pace / p.smooth_speed, p.smooth_law)
+            out_level *= _built_up(abs(out_speed) / p.smooth_speed, p.smooth_law)
         if p.asymmetry != 0.0:
             forward = 1.0 + p.asymmetry if speed >= 0.0 else 1.0 - p.asymmetry
             level *= forward

@@ -120,7 +120,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--other-machines", type=_count, metavar="N", help="N benches of other sizes, none of them kind"
     )
-    parser.add_argument("--laws", type=_count, metavar="N", help="N benches with Stribeck friction under its laws")
+    parser.add_argument("--laws", type=_count, metavar="N", help="N benches whose friction follows one of several laws")
     parser.add_argument("--leave-out", action="store_true", help="the hidden effect is taken out of the catalogue")
     parser.add_argument("--sweep", nargs="*", choices=experiments.SWEPT, metavar="EFFECT", help="detection limits")
     parser.add_argument(

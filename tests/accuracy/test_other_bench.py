@@ -116,7 +116,10 @@ GRAVITY = Cause("gravity_load", {"torque": 0.06, "angle": 0.4})
 THEORY = {
     "stribeck_friction": lambda s: 0.08 * np.exp(-np.abs(s.w) / 2.0) * np.sign(s.w),
     "stribeck_friction gaussian": lambda s: 0.08 * np.exp(-((s.w / 2.0) ** 2)) * np.sign(s.w),
+    "stribeck_friction lorentzian": lambda s: 0.08 / (1.0 + (s.w / 2.0) ** 2) * np.sign(s.w),
     "smooth_friction": lambda s: LEVEL * (np.tanh(s.w / 2.0) - np.sign(s.w)),
+    "smooth_friction arctangent": lambda s: LEVEL * (np.arctan(np.pi / 4.0 * s.w) * 2.0 / np.pi - np.sign(s.w)),
+    "smooth_friction root": lambda s: LEVEL * (s.w / np.hypot(s.w, 2.0) - np.sign(s.w)),
     "asymmetric_friction": lambda s: -0.2 * (LEVEL + VISCOUS * np.abs(s.w)),
     "quadratic_drag": lambda s: 8e-4 * s.w * np.abs(s.w),
     "shear_thinning": lambda s: -0.5 * VISCOUS * s.w * np.abs(s.w) / (np.abs(s.w) + 5.0),
@@ -180,7 +183,8 @@ DRIVES = {
 @pytest.mark.parametrize("name", THEORY)
 def test_a_torque_is_what_its_equation_says(name):
     id, *chosen = name.split()
-    names = {"u": "phase", "v": "phase", "w": "phase", "gaussian": "law", "conservative": "kind"}
+    names = {"u": "phase", "v": "phase", "w": "phase", "conservative": "kind"}
+    names |= dict.fromkeys(("gaussian", "lorentzian", "arctangent", "root"), "law")
     options = {names.get(choice, "order"): choice for choice in chosen}
     cause = Cause(id, VALUES.get(id, OF_AN_ANGLE), options)
     seen = Seen(recorded(DRIVES.get(id, SINE), cause, motor_origin=-2.0, output_origin=0.5))

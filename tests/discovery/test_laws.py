@@ -19,7 +19,7 @@ from tests.recorded import record
 STRIBECK = {"torque": 0.06, "speed": 2.0}
 RUNS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4", "triangle:0.01:2")
 START = {"torque": 0.03, "speed": 1.0}
-LAWS = ("exponential", "gaussian")
+LAWS = ("exponential", "gaussian", "lorentzian")
 
 
 def found_under(law, true_law, model):

@@ -37,8 +37,9 @@ POINT = OperatingPoint(
 
 
 EQUATIONS = (
-    ("stribeck_friction", (0.08, 2.0, 1.0), 0.08 * math.exp(-2.0)),
-    ("stribeck_friction", (0.08, 2.0, 2.0), 0.08 * math.exp(-4.0)),
+    ("stribeck_friction", (0.08, 2.0, 0.0), 0.08 * math.exp(-2.0)),
+    ("stribeck_friction", (0.08, 2.0, 1.0), 0.08 * math.exp(-4.0)),
+    ("stribeck_friction", (0.08, 2.0, 2.0), 0.08 / 5.0),
     ("smooth_friction", (2.0, 0.0), -0.11 * (1.0 - math.tanh(2.0))),
     ("smooth_friction", (2.0, 1.0), -0.11 * (1.0 - math.atan(math.pi) / (0.5 * math.pi))),
     ("smooth_friction", (2.0, 2.0), -0.11 * (1.0 - 2.0 / math.sqrt(5.0))),

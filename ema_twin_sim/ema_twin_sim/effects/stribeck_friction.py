@@ -1,26 +1,29 @@
-"""Stribeck friction: a dry level torque * exp(-(|w| / speed)^n) [N m], which fades as a film builds up; also at rest.
+"""Stribeck friction: a dry level torque * f(|w| / speed) [N m], which fades as a film builds up; also at rest.
 
-Bo and Pavelescu (1982). The law is exponential, n = 1, or Gaussian, n = 2, as in Armstrong-Helouvry, Dupont and Canudas
-de Wit, "A survey of models, analysis tools and compensation methods for the control of machines with friction" (1994).
+The law f(x) is exponential, exp(-x) (Bo and Pavelescu 1982), Gaussian, exp(-x^2), or Lorentzian, 1 / (1 + x^2), as in
+Armstrong-Helouvry, Dupont and Canudas de Wit, "A survey of models, analysis tools and compensation methods for the
+control of machines with friction" (1994).
 """
 
 import math
 
 from .effect import DRY_LEVEL, POSITIVE, Effect, Implausible, Parameter, Trait
 
-EXPONENTS = {"exponential": 1.0, "gaussian": 2.0}
+LAWS = {"exponential": 0.0, "gaussian": 1.0, "lorentzian": 2.0}
 
 
 def act(at, p):
     """Dry level [N m] at the motor's speed."""
     share = abs(at.motor_speed) / p[1]
-    return p[0] * math.exp(-share * share if p[2] == 2.0 else -share)
+    if p[2] == 2.0:
+        return p[0] / (1.0 + share * share)
+    return p[0] * math.exp(-share * share if p[2] == 1.0 else -share)
 
 
 EFFECT = Effect(
     id="stribeck_friction",
     summary="extra dry friction at low speed, before a lubricant film carries",
-    equation="L = torque · exp(−(|ω| / speed)ⁿ), n = 1 (exponential) or 2 (gaussian)",
+    equation="L = torque · f(|ω| / speed), f(x) = exp(−x), exp(−x²) or 1 / (1 + x²)",
     depends_on="speed",
     signature="current error at low speed only, against the motion, gone above a few times the Stribeck speed",
     shown_by="slow ramps, down to a tenth of the speeds of these",
@@ -33,14 +36,14 @@ EFFECT = Effect(
             2.0,
             POSITIVE,
             math.inf,
-            "speed at which it has fallen to 1/e, fast shaft",
+            "speed at which it has fallen to 1/e, or with the Lorentzian law to 1/2, fast shaft",
             starts=(0.3, 0.6, 1.2, 2.5, 5.0),
             driven=1.0,
         ),
     ),
-    options={"law": ("exponential", "gaussian")},
+    options={"law": tuple(LAWS)},
     law="law",
-    option_value=lambda options: EXPONENTS[options["law"]],
+    option_value=lambda options: LAWS[options["law"]],
     act=act,
     place=DRY_LEVEL,
     traits=(Trait.ABOVE_DRY_FRICTION, Trait.NOT_AT_REST),
