@@ -138,3 +138,20 @@ def test_no_load_is_named_where_the_torque_drives_neither_inertia_nor_friction()
     found = discover(moved, arm)
     assert found.verdict == "unknown" and found.added == ()
     assert TURNED in found.warnings
+
+
+@pytest.mark.slow
+def test_gravity_is_named_where_the_motor_only_bears_it_and_a_hand_moves_the_arm():
+    """Gravity compensation: the hand gives what inertia and friction take, and a little of the motor's part."""
+    arm = open_arm().without_effect("gravity_load")
+    moved = []
+    for swing in swings_of(arm):
+        position, speed = swing.signals["motor_position"], swing.signals["speed"]
+        torque = 150.0 * np.sin(position) - 2.0 * np.sign(speed) - 3.0 * speed
+        torque += np.random.default_rng(3).standard_normal(len(speed))
+        current = torque / arm.value("machine.torque_constant")
+        moved.append(replace(swing, signals={**swing.signals, "current": current}))
+    found = discover(moved, arm)
+    assert (found.verdict, found.added) == ("explained", ("gravity_load",))
+    assert TURNED not in found.warnings
+    assert abs(found.parameters["gravity_load"]["torque"]["value"]) == pytest.approx(150.0, rel=0.03)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..criteria import LIKELY, NEARLY_ALL, NEGLIGIBLE, SIGNIFICANT
+from ..criteria import LIKELY, NEARLY_ALL, NEGLIGIBLE, SIGNIFICANT, SMALL
 from ..effects import catalogue
 from ..model.constants import CONSTANTS
 from ..model.own_units import shown
@@ -51,20 +51,21 @@ def torque_sign_reversed(problem: EquationErrorProblem, f: Fit, sure: Mapping[st
     """Whether the torque of an unknown machine acts against it: none of its inertia and friction is above zero.
 
     Either all ended at their least, or at least one did, and one would surely be negative without bounds and none
-    surely positive. A filtered torque makes the inertia alone negative. ``sure`` are the standard errors by path, if
-    they are known already.
+    surely positive. What the added effects leave must be more than a small part of the torque: where gravity is nearly
+    all of it, a hand that helps outweighs friction. A filtered torque makes the inertia alone negative. ``sure`` are
+    the standard errors by path, if they are known already.
     """
     paths = {f"scale.{what}" for what in ("inertia", *FRICTION)}
     asked = {k: free.path for k, free in enumerate(f.hypothesis.free) if free.path in paths and free.prior is None}
     if len(asked) < 2 or not problem.size:
         return False
     ended = _ended(problem, f, standard_errors(problem, f) if sure is None else sure)
-    if all(ended[path] == "lower" for path in asked.values()):
-        return True
     if "lower" not in {ended[path] for path in asked.values()}:
         return False
     away = _without_bounds(f)
-    return min(away[k] for k in asked) < -SIGNIFICANT and max(away[k] for k in asked) < LIKELY
+    certain = min(away[k] for k in asked) < -SIGNIFICANT and max(away[k] for k in asked) < LIKELY
+    all_ended = all(ended[path] == "lower" for path in asked.values())
+    return (all_ended or certain) and _rms_left(problem, f) > SMALL
 
 
 def _without_bounds(f: Fit) -> np.ndarray:
@@ -76,6 +77,13 @@ def _without_bounds(f: Fit) -> np.ndarray:
     spread = scaled_inverse(near.information)
     best = f.hypothesis.values + spread @ (near.slopes.T @ near.residual + near.priors.T @ known)
     return best / np.sqrt(np.maximum(np.diag(spread), 1e-300))
+
+
+def _rms_left(problem: EquationErrorProblem, f: Fit) -> float:
+    """RMS of the torque that a fit leaves, over that of the measured torque."""
+    torque = slice(problem.size)
+    whole = (f.weights * problem.measured)[torque]
+    return float(np.linalg.norm(f.residual[torque]) / max(np.linalg.norm(whole), 1e-300))
 
 
 def _ended(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float]) -> dict[str, str | None]:
