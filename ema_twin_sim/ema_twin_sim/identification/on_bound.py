@@ -109,11 +109,15 @@ def _typical(f: Fit, free: Free) -> float:
 
 
 def _added(f: Fit, rest: str, side: str) -> list[str]:
+    """For an added effect; a shape of zero is a simpler law, such as a bristle without damping, and no bound."""
     name, _, parameter = rest.partition(".")
     instance = f.hypothesis.instance(name)
-    p = next(p for p in catalogue()[instance.effect].parameters if p.name == parameter)
+    effect = catalogue()[instance.effect]
+    p = next(p for p in effect.parameters if p.name == parameter)
+    if instance.parameters[parameter] == p.lower == 0.0 and p is not effect.parameters[0]:
+        return []
     faster = p.driven and side == "upper"
-    remedy = "faster motion" if faster else catalogue()[instance.effect].shown_by
+    remedy = "faster motion" if faster else effect.shown_by
     written = _written(f, instance.parameters[parameter], p.unit, angle=p.periodic)
     return [f"{name}: {parameter} is on its bound {written}; record {remedy}, or hold {parameter} at what is known"]
 

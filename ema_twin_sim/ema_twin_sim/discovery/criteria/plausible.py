@@ -127,13 +127,16 @@ def _needed(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
 def _shape_on_bound(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     """Whether the shape of an added effect (a speed, a time) ended on the limit of what the recordings reach.
 
-    With open constants, an effect without a shape of its own fits a part of them that the constants do not.
+    With open constants, an effect without a shape of its own fits a part of them that the constants do not. A shape of
+    zero is a simpler law: a bristle without damping is Dahl's.
     """
     effect = catalogue()[f.hypothesis.instance(name).effect]
-    shape = {f"effects.{name}.{p.name}" for p in effect.parameters[1:] if not p.periodic}
+    shape = {f"effects.{name}.{p.name}": p for p in effect.parameters[1:] if not p.periodic}
     numbers = zip(f.hypothesis.free, f.hypothesis.values, *problem.bounds(f.hypothesis), strict=True)
     return any(
-        free.path in shape and reached_bound(float(value), float(lower), float(upper), math.inf, abs(value))
+        free.path in shape
+        and not value == shape[free.path].lower == 0.0
+        and reached_bound(float(value), float(lower), float(upper), math.inf, abs(value))
         for free, value, lower, upper in numbers
     )
 
