@@ -52,7 +52,7 @@ EFFECT = Effect(
             "speed at which it would reach its level if it rose as from standstill, fast shaft",
             starts=(0.1, 0.3, 1.0, 3.0),
             neutral=None,
-            driven=0.1,
+            driven=0.2,
         ),
     ),
     options={"law": tuple(LAWS)},
