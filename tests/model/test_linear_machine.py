@@ -1,5 +1,6 @@
 """Linear machines: their models, and the drum that stands in for them."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,14 +17,19 @@ from ema_twin_sim.measured.scales import drum_radius
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.model.matching import matched
 from ema_twin_sim.model.own_units import OwnUnits, model_in, native, recording_in
+from ema_twin_sim.words.sentences import order_sentences
 from tests.command_line import refused
 from tests.recorded import record
 
 MASS, VISCOUS, COULOMB, LOAD = 80.0, 150.0, 18.0, -4.0
+PITCH = 0.024  # m
 
 
-def carriage(seconds=12.0, asymmetry=0.0, seed=0, period=1e-3):
-    """A carriage on rails, driven to and fro: way [m] and force [N] with noise, from its equation of motion."""
+def carriage(seconds=12.0, asymmetry=0.0, seed=0, period=1e-3, detent=0.0):
+    """A carriage on rails, driven to and fro: way [m] and force [N] with noise, from its equation of motion.
+
+    Magnets hold it with a force that repeats every ``PITCH``, ``detent`` [N] at most.
+    """
     random = np.random.default_rng(seed)
     time = np.arange(round(seconds / period)) * period
     way = 0.08 * np.sin(2.0 * np.pi * 0.4 * time) + 0.03 * np.sin(2.0 * np.pi * 1.1 * time + seed)
@@ -31,6 +37,7 @@ def carriage(seconds=12.0, asymmetry=0.0, seed=0, period=1e-3):
     sense = np.tanh(speed / 1e-5)
     friction = (VISCOUS * speed + COULOMB * sense) * (1.0 + asymmetry * sense)
     force = MASS * np.gradient(speed, period) + friction + LOAD + random.normal(0.0, 0.2, len(time))
+    force += detent * np.sin(2.0 * np.pi * way / PITCH + 0.5)
     signals = {"motor_position": way - way[0] + random.normal(0.0, 1e-8, len(time)), "motor_torque": force}
     return Recording(f"run{seed}", np.rint(time * 1e9).astype(np.int64), signals, metadata={"motion": "linear"})
 
@@ -53,6 +60,31 @@ def test_the_drum_and_back_is_the_same_model(emps):
         assert back.value(path) == pytest.approx(held.value, rel=1e-12)
     for name, instance in emps.effects.items():
         assert dict(back.effects[name].parameters) == pytest.approx(dict(instance.parameters), rel=1e-12)
+
+
+def test_an_order_counts_along_the_way_and_is_written_as_it_was(emps):
+    wavy = emps.with_effect("cogging", {"torque": 3.0, "phase": 0.5}, {"order": "41.67"})
+    drum = model_in(wavy, OwnUnits(radius=0.01))
+    assert float(drum.effects["cogging"].options["order"]) == pytest.approx(41.67 * 2.0 * np.pi * 0.01, rel=1e-9)
+    assert native(drum).effects["cogging"].options == {"order": "41.67"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stretched", [1.0, 30.0])
+def test_magnets_along_the_way_are_named_with_their_pitch(stretched, emps):
+    """On a machine of any size: the drum that stands for it has another radius, and the way the same pitch."""
+    bare = emps.without_effect("constant_load").with_effect("constant_load", {"torque": LOAD})
+    runs = [carriage(seed=k, detent=8.0) for k in range(2)]
+    far = [replace(r, signals={**r.signals, "motor_position": stretched * r.signals["motor_position"]}) for r in runs]
+    found = discover(far, bare.with_value("machine.motor_inertia", MASS / stretched))
+    assert found.added == ("cogging",)
+    told = found.parameters["cogging"]
+    assert 1.0 / float(told["options"]["order"]) == pytest.approx(stretched * PITCH, rel=3e-3)
+    assert told["torque"]["value"] == pytest.approx(8.0, rel=0.03)
+    (said,) = order_sentences(found.model, found.parameters)
+    assert said.startswith("cogging: repeats every ") and said.endswith("m of the way.")
+    before, after = (compare(far, model).overall["unexplained_torque"]["rmse"] for model in (bare, found.model))
+    assert after < 0.2 * before
 
 
 def test_power_is_the_same_round_the_drum(emps):

@@ -25,7 +25,7 @@ from ..identification.fit import Fit, fit
 from ..identification.hypothesis import COMPLIANT_EFFECTS
 from ..identification.uncertainty import held_out
 from ..model import EffectInstance, Model
-from ..model.own_units import in_si, shown_entry
+from ..model.own_units import in_si, shown_entry, shown_options
 from ..parallel import simulations
 from ..plant.measured_motion import TIME
 from ..simulation.simulate import choose_input, simulate
@@ -258,7 +258,8 @@ def _ranked(
         )
         for p in catalogue()[instance.effect].parameters
     }
-    return Ranked(instance.effect, dict(instance.options), probability, removed, parameters, found)
+    options = shown_options(f.hypothesis.base, instance.options)
+    return Ranked(instance.effect, options, probability, removed, parameters, found)
 
 
 def _removed(problem: EquationErrorProblem, found: Discovery, contenders: Sequence[_Contender]) -> dict[Kind, float]:

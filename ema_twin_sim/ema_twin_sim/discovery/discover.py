@@ -295,12 +295,13 @@ def excluded_effects(recordings: Sequence[Recording], model: Model, without: Seq
 def _impossible(model: Model) -> frozenset[str]:
     """Effects that a machine of this kind cannot have: a carriage has no revolutions and no eccentric encoder.
 
-    With a gear ratio of 1 there are no teeth with an order of their own.
+    Magnets and screws repeat along its way all the same. With a gear ratio of 1 there are no teeth with an order of
+    their own.
     """
     if model.units is None or model.units.radius is None:
         return effects_with(Trait.OF_TEETH) if model.value("machine.gear_ratio") == 1.0 else frozenset()
     turning = {id for id, effect in catalogue().items() if effect.depends_on == "order"}
-    return effects_with(Trait.OF_OUTPUT_TURNS) | turning
+    return effects_with(Trait.OF_OUTPUT_TURNS) | (turning - effects_with(Trait.MOTOR_WAVE))
 
 
 def _searched(

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from ..effects import Effect, Trait, catalogue
+from ..model.own_units import is_linear
 from ..model.roles import DRY_FRICTION, SENSOR_WAVE
 from ..plant.layout import ANGLE_ERRORS
 from .hypothesis import Hypothesis
@@ -37,6 +38,8 @@ def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Can
             continue
         if effect.electrical and h.base.pole_pairs is None:
             continue
+        if effect.free_option and is_linear(h.base):
+            continue  # no order is a usual one along a line; those that the recordings show are found separately
         if effect.depends_on == "acceleration" and Trait.LIKE_A_CONSTANT in effect.traits and h.inertia_is_open:
             continue  # the same number twice
         added = [dict(instance.options) for instance in h.added.values() if instance.effect == id]

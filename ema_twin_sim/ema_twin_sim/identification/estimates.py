@@ -13,7 +13,7 @@ from ..effects import Parameter, catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.model_file import ABSENT, TORQUE_CONSTANT
-from ..model.own_units import shown_entry
+from ..model.own_units import shown_entry, shown_options
 from ..model.roles import DRY_FRICTION, TORQUE_FACTOR
 from .equation import EquationErrorProblem
 from .fit import Fit
@@ -83,7 +83,10 @@ def parameters(f: Fit, sure: Mapping[str, float]) -> dict[str, dict[str, Any]]:
         if name not in f.hypothesis.added:
             continue
         effect = catalogue()[instance.effect]
-        entry: dict[str, Any] = {"effect": instance.effect, "options": dict(instance.options)}
+        entry: dict[str, Any] = {
+            "effect": instance.effect,
+            "options": shown_options(f.hypothesis.base, instance.options),
+        }
         for p in effect.parameters:
             value = instance.parameters[p.name]
             std = reported(sure.get(f"effects.{name}.{p.name}"), value, p)

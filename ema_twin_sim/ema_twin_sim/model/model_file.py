@@ -4,8 +4,8 @@ A file may name a ``base`` in the same folder (models of one bench share one fil
 override those of the base. A written file is always complete and needs no base. If less is known of a machine, the file
 may give one ``inertia`` (for a linear machine: its mass) instead of those of motor, gearbox and output, and leave out
 what the machine does not have. ``tolerance: open`` marks a value that is only the start of a fit. ``orders`` names what
-repeats with the motor's turns, in cycles per turn (``pole pairs``: the electrical angle); ``other_orders: false`` says
-that nothing else does, so that no other order is searched.
+repeats with the motor's turns, in cycles per turn (``pole pairs``: the electrical angle), or along a linear machine's
+way, in cycles per metre; ``other_orders: false`` says that nothing else does, so that no other order is searched.
 """
 
 from __future__ import annotations

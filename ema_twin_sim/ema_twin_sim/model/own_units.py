@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
@@ -40,6 +41,8 @@ _POWERS = {
 }
 """For each part of a rotary unit, the powers of radius, time, torque and current that convert own to native values.
 Volts follow from power: V A = N m / s. Other parts are not scaled."""
+ORDER_UNIT = "1/rev"  # of a linear machine, in cycles per metre
+ORDER_DIGITS = 12
 _PART = re.compile(r"(/)|(N m|kg m\^2|[^\s/^]+)(?:\^(\d+))?")
 
 
@@ -127,6 +130,11 @@ def recording_in(recording: Recording, units: OwnUnits) -> Recording:
     )
 
 
+def is_linear(model: Model) -> bool:
+    """Whether a model in own or native units is of a machine that moves along a line."""
+    return shown_motion(model) == "linear"
+
+
 def shown_motion(model: Model) -> str:
     """The motion of a model's machine: a drum stands for a linear one."""
     if model.units is None:
@@ -159,9 +167,27 @@ def _scaled(model: Model, units: OwnUnits, sign: int) -> Model:
         for path, held in model.constants.items()
     }
     effects = {}
+    per_turn = units.factor(ORDER_UNIT) ** sign
     for name, instance in model.effects.items():
         rows = find_effect(instance.effect, name).parameters
         factors = {p.name: 1.0 if p.periodic else units.factor(p.unit) for p in rows}
         parameters = {k: v * factors[k] ** sign for k, v in instance.parameters.items()}
-        effects[name] = replace(instance, parameters=parameters)
-    return replace(model, constants=constants, effects=effects)
+        options = _with_order_times(per_turn, instance.options, shown=sign > 0)
+        effects[name] = replace(instance, parameters=parameters, options=options)
+    orders = {name: order * per_turn for name, order in model.orders.items()}
+    return replace(model, constants=constants, effects=effects, orders=orders)
+
+
+def _with_order_times(factor: float, options: Mapping[str, str], *, shown: bool) -> dict[str, str]:
+    """Options of an effect, its order if it has one multiplied by ``factor``; to be ``shown``, as precise as it was."""
+    order = options.get("order")
+    if order is None or factor == 1.0:
+        return dict(options)
+    digits = min(1 + len(re.sub(r"\D", "", order).lstrip("0")), ORDER_DIGITS) if shown else ORDER_DIGITS
+    return {**options, "order": f"{float(order) * factor:.{digits}g}"}
+
+
+def shown_options(model: Model, options: Mapping[str, str]) -> dict[str, str]:
+    """Options of an effect of a model in own units, as in the machine's native model."""
+    factor = 1.0 if model.units is None else model.units.factor(ORDER_UNIT)
+    return _with_order_times(factor, options, shown=True)

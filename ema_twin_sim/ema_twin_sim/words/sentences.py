@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..comparison.beyond_noise import is_noise, times_words, told_share
 from ..criteria import NOISY, SUREST
 from ..listing import listed
+from ..model.own_units import is_linear
 from ..quantities import MOST_TIMES, limited_factor, quantity
 
 if TYPE_CHECKING:
@@ -249,6 +250,9 @@ def order_sentences(model: Model, names: Iterable[str]) -> list[str]:
         order = model.effects[name].options.get("order") if name in model.effects else None
         if order is None or catalogue()[model.effects[name].effect].depends_on == "encoders":
             continue  # an encoder's own error does not come from the drive train
+        if is_linear(model):
+            told.append(f"{effect_words(name)}: repeats every {quantity(1.0 / float(order), 'm')} of the way.")
+            continue
         cycles = model.motor_order(name)
         shaft = "motor" if float(order) == cycles else "output"
         within = ORDER_ERROR * cycles / float(order)  # the tolerance is in orders of the effect's own shaft

@@ -15,6 +15,7 @@ from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...measured.observation import Observation
 from ...model import Model
+from ...model.own_units import is_linear
 from ...model.roles import SENSOR_WAVE
 from ...plant.layout import OUTPUT_TORQUE
 from ...plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED
@@ -45,6 +46,11 @@ def order_candidates(
     if not base.other_orders:
         return
     ratio = base.value("machine.gear_ratio")
+    if is_linear(base):  # magnets or a screw repeat along its way, at any order of the drum that stands for it
+        along = [] if the_effect(Trait.MOTOR_WAVE) in without else of_the_gears(problem, f, whole=True)
+        for order in along:
+            yield Candidate(the_effect(Trait.MOTOR_WAVE), {"order": order})
+        return
     found: list[tuple[str, Callable[[], Sequence[str]]]] = [
         (the_effect(Trait.MOTOR_WAVE), lambda: standing_out(problem, f)),
         (SENSOR_WAVE, lambda: of_the_encoders(problem, f, ratio)),
@@ -68,8 +74,11 @@ def motor_order(effect: str, order: float, gear_ratio: float) -> float:
     return order / gear_ratio if found.where(found.default_options()) == OUTPUT_TORQUE else order
 
 
-def of_the_gears(problem: EquationErrorProblem, f: Fit) -> list[str]:
-    """The strongest of all resolved orders; none if it is unclear, or whole (then it belongs to a shaft)."""
+def of_the_gears(problem: EquationErrorProblem, f: Fit, *, whole: bool = False) -> list[str]:
+    """The strongest of all resolved orders; none if it is unclear, or whole (then it belongs to a shaft).
+
+    ``whole``: nothing turns, and a whole order is one like any other.
+    """
     parts = []
     for o, part in zip(problem.observations, problem.torque_parts, strict=True):
         angle, speed = o.motor_origin + o.motion[o.rows, MOTOR_ANGLE], o.motion[o.rows, SPEED]
@@ -78,7 +87,7 @@ def of_the_gears(problem: EquationErrorProblem, f: Fit) -> list[str]:
     strongest = find_order(parts)
     if strongest is None or strongest.dissipative or strongest.share < (1.0 - NEARLY_ALL):
         return []
-    if _is_whole(strongest.order):
+    if _is_whole(strongest.order) and not whole:
         return []
     return [written_order(strongest.order, math.sqrt(CORRELATION) * strongest.order_std)]
 
