@@ -33,7 +33,7 @@ from ..model import Model
 from ..model.own_units import in_si, native_as_given
 from ..simulation.angle_origins import without_common_zero
 from .assumed_torque import of_assumed_torque
-from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants
+from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants, of_straight_waves
 from .criteria.contradictions import contradictions
 from .criteria.explained import explained
 from .ending import why_ended
@@ -266,6 +266,7 @@ def discover(
             *of_assumed_torque(given_recordings, given),
             *contradictions(problem, best),
             *far_off(best),
+            *of_straight_waves(problem, best),
             *(of_sums(problem, best, left) if refitted else ()),
             *(on_bounds(problem, best, errors) if problem.size else ()),
             *without_common_zero(recordings, best.hypothesis.model().active.values()),
