@@ -1,23 +1,27 @@
-"""Corrections of friction over speed that are too slight to be named of a machine whose constants are open."""
+"""Corrections over speed, or along a way, that are too slight to be named of a machine whose constants are open."""
 
 from __future__ import annotations
 
 from ..criteria import SMALL
 from ..effects import Trait, catalogue
+from ..model.own_units import is_linear
 from .idle_effects import shows_over
 from .search.removing import less
 from .search.trace import Search, new_names
 from .unseen import Judge, Unseen
 
 REASON = f"no law of friction is as exact as what it removes: less than {SMALL * SMALL:.0%} of the drive's torque"
+ALONG = f"along a way something repeats by chance, and it removes less than {SMALL * SMALL:.0%} of the drive's force"
 
 
 def without_slight_laws(found: Search, unseen: Unseen, judge: Judge, torque: float) -> tuple[Search, Unseen]:
     """The search without effects over speed that remove less than 1 % of the drive's rms ``torque`` [N m].
 
-    With open constants up to a tenth of the torque (SMALL) counts as nothing missing, since laws of friction are never
-    exact; what removes less than a tenth of that only corrects the law. The effect that removes least goes first,
-    unless without it the power of the error grows by as much. What is left is as small as before: the verdict stands.
+    Of a linear machine, waves along its way as well: a shaft repeats with its turns, while a way has no length by which
+    it must. With open constants up to a tenth of the torque (SMALL) counts as nothing missing, since laws of friction
+    are never exact; what removes less than a tenth of that only corrects the law. The effect that removes least goes
+    first, unless without it the power of the error grows by as much. What is left is as small as before: the verdict
+    stands.
     """
     if unseen.signal != "unexplained_torque":
         return found, unseen
@@ -28,7 +32,7 @@ def without_slight_laws(found: Search, unseen: Unseen, judge: Judge, torque: flo
         if not slight:
             return found, unseen
         name = min(slight, key=slight.__getitem__)
-        fewer = less(found, (name,), REASON)
+        fewer = less(found, (name,), REASON if shows_over(found, name) == "speed" else ALONG)
         beside = judge(fewer)
         only_less = fewer.fit.hypothesis.added.keys() < found.fit.hypothesis.added.keys()  # no beaten rival came back
         if only_less and beside.moving[-1] ** 2 - unseen.moving[-1] ** 2 < least:
@@ -38,14 +42,15 @@ def without_slight_laws(found: Search, unseen: Unseen, judge: Judge, torque: flo
 
 
 def _removed(found: Search, unseen: Unseen) -> dict[str, float]:
-    """By effect over speed: the power [N² m²] of the error that its round removed."""
+    """By effect that may be slight: the power [N² m²] of the error that its round removed."""
     added = found.fit.hypothesis.added
+    doubtful = {"speed", "order"} if is_linear(found.fit.hypothesis.base) else {"speed"}
     errors = (unseen.judged_from, *unseen.moving[1:])
     return {
         name: before**2 - after**2
         for turn, before, after in zip(found.taken, errors, errors[1:], strict=False)
         for name in new_names(turn.before, turn.after)
         if name in added
-        and shows_over(found, name) == "speed"
+        and shows_over(found, name) in doubtful
         and Trait.BRISTLE not in catalogue()[added[name].effect].traits
     }

@@ -21,6 +21,7 @@ from ...identification.hypothesis import LAG, SIDED
 from ...identification.on_bound import reached_bound
 from ...identification.uncertainty import covariance, scaled_inverse
 from ...model.roles import FRICTION, TORQUE_FACTOR
+from .in_place_of_dry_friction import in_place_of_dry_friction
 from .reversals import shows_where_slowest
 from .worth import NOTHING_ELSE, is_lacked, largest_rms_reduction, penalised_gain
 
@@ -66,7 +67,8 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
     * Effects that show only in constants off their file are exempt: how far these were off was the effect's gain. So
       are effects that every machine has, in the presence of a generic basis, which fits anything.
     * With open constants no shape may end on its bound, no share may be one that its effect's file calls impossible
-      for any machine, and an effect over a shaft angle must show away from standstill.
+      for any machine, an effect over a shaft angle must show away from standstill, and no friction may take the place
+      of the machine's dry friction.
 
     An uncertain shape alone is no reason: size and shape may trade off while their joint action is well known (see
     ``_sureness``).
@@ -86,6 +88,7 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
             _shape_on_bound(problem, f, name)
             or _never_possible(effect, instance.parameters)
             or shows_where_slowest(problem, f, name)
+            or in_place_of_dry_friction(problem, f, name)
         ):
             yield name
             continue
