@@ -88,6 +88,12 @@ class Guesses:
         kept = tuple(guess for guess in self.signals if guess.column not in columns)
         return replace(self, signals=kept, left=(*self.left, *columns))
 
+    def timed_in_seconds(self, columns: Collection[str]) -> Guesses:
+        """The same with a time in s, whatever its name says, if these columns of dates or times of day hold it."""
+        if self.time is None or self.time.column not in columns:
+            return self
+        return replace(self, time=replace(self.time, unit="s"))
+
     def as_magnitudes(self, signals: Collection[str]) -> Guesses:
         """The same with these signals read as magnitudes without sign."""
         read = tuple(replace(guess, magnitude=True) if guess.signal in signals else guess for guess in self.signals)

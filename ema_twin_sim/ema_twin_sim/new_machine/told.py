@@ -74,7 +74,18 @@ def assumed_units(guesses: Guesses) -> list[str]:
             read.setdefault("no unit in the header", []).append(guess)
         elif guess.unit not in (None, COUNTS) and guess.doubt:
             read.setdefault(guess.doubt, []).append(guess)
-    return [_assumed_unit(columns, why, guesses.motion) for why, columns in read.items()]
+    return [*_assumed_clock(guesses.time), *(_assumed_unit(each, why, guesses.motion) for why, each in read.items())]
+
+
+def _assumed_clock(clock: Guess | None) -> list[str]:
+    """What was assumed of a clock whose name has no unit; empty if nothing was."""
+    if clock is None or clock.unit is None or not clock.doubt or header_words(clock.column).unit is not None:
+        return []
+    other = "ms" if clock.unit == "s" else "s"
+    return [
+        f"{clock.column} in {clock.unit}: {clock.doubt} (otherwise add the unit to the name, as in '{clock.column} "
+        f"[{other}]', and run init again)"
+    ]
 
 
 def _assumed_unit(columns: Sequence[Guess], why: str, motion: str) -> str:
