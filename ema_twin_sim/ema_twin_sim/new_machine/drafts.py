@@ -166,7 +166,11 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
                 f"{drives}: positive drives forwards, which the recordings do not show clearly (otherwise add "
                 "`factor: -1` to its line of the map)"
             )
-    asked = (*(_no_sign(guess) for guess in guesses.signals if guess.magnitude), *questions, *model.questions)
+    asked = (
+        *(_no_sign(guess, recordings) for guess in guesses.signals if guess.magnitude),
+        *questions,
+        *model.questions,
+    )
     if turned_drive:
         told = f"{drives}: as recorded, it acts against the motion, so its sign is reversed (`factor: -1` in the map)"
         asked = (f"{told}; if the motion has the wrong sign, reverse the position and the speed instead", *asked)
@@ -190,12 +194,14 @@ def _without(recording: Recording, signals: Collection[str]) -> Recording:
     return recording if len(kept) == len(recording.signals) else replace(recording, signals=kept)
 
 
-def _no_sign(guess: Guess) -> str:
+def _no_sign(guess: Guess, recordings: Sequence[Recording]) -> str:
     """That a column is read as a magnitude, and what to do about it."""
+    read = [recording.signals[guess.signal] for recording in recordings if recording.has(guess.signal)]
+    but = " but for single samples" if any((values < 0.0).any() for values in read) else ""
     return (
-        f"{guess.column}: never negative, so it looks like a magnitude without sign (`magnitude: true` in the map), "
-        "which serves to judge health and drives no twin; record the motor's current with its sign, or take the mark "
-        "away if a load that always pulls one way keeps it positive"
+        f"{guess.column}: never negative{but}, so it looks like a magnitude without sign (`magnitude: true` in the "
+        "map), which serves to judge health and drives no twin; record the motor's current with its sign, or take the "
+        "mark away if a load that always pulls one way keeps it positive"
     )
 
 
