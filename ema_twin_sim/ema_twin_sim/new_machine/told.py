@@ -107,6 +107,8 @@ def _values(model: Model) -> Iterator[tuple[str, str, str]]:
             if held.source.startswith(LAST_DIGIT):
                 digit = held.source[len(LAST_DIGIT) :].strip(" ()")
                 yield path, f"{name.split()[0]} position", f"in steps of {digit} (the last digit of its column)"
+            elif path.endswith("_noise") and held.value == 0.0:
+                yield path, name, "none (the signal shows no noise)"
             elif unit in _PER:
                 yield path, name, f"{held.value:.0f} counts per {_PER[unit]}"
             else:
