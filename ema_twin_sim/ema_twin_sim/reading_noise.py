@@ -19,11 +19,15 @@ STRETCH = 0.25  # of the frequencies, over which a spectrum is averaged
 
 
 def reading_noise(values: np.ndarray) -> float:
-    """Standard deviation of the white noise on a smooth signal (n,), by its third differences, robustly."""
+    """Standard deviation of the white noise on a smooth signal (n,), by its third differences, robustly.
+
+    What the rounding of the numbers in memory makes is none: an exact command would have noise.
+    """
     if len(values) < 4:
         return 0.0
     third = np.diff(values, 3)
-    return float(1.4826 * np.median(np.abs(third - np.median(third))) / np.sqrt(20.0))
+    noise = float(1.4826 * np.median(np.abs(third - np.median(third))) / np.sqrt(20.0))
+    return 0.0 if noise <= np.finfo(float).eps * float(np.abs(values).max()) else noise
 
 
 def polled_noise(values: np.ndarray) -> float:

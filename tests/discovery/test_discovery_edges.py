@@ -1,5 +1,7 @@
 """Discovery where recordings or models are not as usual: coarse currents, standstills, jumps, gaps, one side."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -16,6 +18,7 @@ from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.observe import observe, observe_all
 from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.large_arm import open_arm
 from tests.recorded import COMMANDS, record, with_signals
@@ -96,6 +99,23 @@ def test_a_long_gap_is_refused_with_its_place(stock):
     stamps = recording.stamps + np.where(recording.time > 5.0, 90 * 10**9, 0)
     with pytest.raises(InputError, match=r"run0: 90 s are missing at 5\.?\d* s; cut it there"):
         observe(with_signals(recording, dict(recording.signals), stamps), stock)
+
+
+def test_all_long_gaps_are_told_at_once_with_the_longest_part_between_them(stock):
+    """Each cut showed the next gap."""
+    recording = record(stock)[0]
+    late = sum(np.where(recording.time > at, gap * 10**9, 0) for at, gap in ((1.0, 90), (1.5, 70), (5.0, 100)))
+    with_gaps = with_signals(recording, dict(recording.signals), recording.stamps + late)
+    with pytest.raises(InputError, match=r"100 s are missing at 165 s, the longest of 3 gaps over 60 s; .*") as said:
+        observe(with_gaps, stock)
+    with pytest.raises(InputError) as same:
+        simulate(stock, with_gaps)
+    assert str(same.value) == str(said.value)
+    found = re.search(r"3\.\d+ s, is --from ([\d.]+) --to ([\d.]+)$", str(said.value))
+    start, end = map(float, found.groups())
+    part = with_gaps.between(start, end)
+    assert part.duration == pytest.approx(3.5, abs=0.05) and not [gap for gap in part.gaps if gap.duration > 60.0]
+    observe(part, stock)
 
 
 def test_an_effect_that_is_switched_off_can_be_found(stock):

@@ -8,6 +8,7 @@ import pytest
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.model import load_model
 from ema_twin_sim.new_machine.told import assumed, doubts_of, shown
+from ema_twin_sim.reading_noise import reading_noise
 
 SECONDS = [k * 1e-3 for k in range(2000)]
 
@@ -56,6 +57,23 @@ def test_the_noise_of_a_torque_is_a_torque(tmp_path):
     known, _ = told(tmp_path, "time [s],motor position [rad],torque [Nm]", row)
     (noise,) = (one for one in known if "noise" in one)
     assert noise.startswith("noise of the torque ") and noise.endswith("N m")
+
+
+def test_an_exact_command_is_said_to_show_no_noise(tmp_path):
+    """Its numbers' rounding in memory was told as a noise of 0.000000000108 nN m."""
+    known, _ = told(
+        tmp_path, "time [s],motor position [rad],torque [Nm]", lambda t: (50.0 * math.sin(t), 0.1 * round(t) + 0.3 * t)
+    )
+    assert "noise of the torque none (the signal shows no noise)" in known
+    assert load_model(tmp_path / "own.yaml").value("sensors.current_noise") == 0.0
+
+
+@pytest.mark.parametrize("size", [1e-12, 1.0, 1e12])
+def test_rounding_in_memory_is_no_noise_and_any_sensors_is(size):
+    ramp = size * (1.0 + np.arange(2000) / 3000.0)
+    assert reading_noise(ramp) == 0.0
+    noise = 1e-9 * size * np.random.default_rng(2).standard_normal(2000)
+    assert reading_noise(ramp + noise) == pytest.approx(1e-9 * size, rel=0.1)
 
 
 def test_the_decimals_of_a_text_are_no_encoder(tmp_path):

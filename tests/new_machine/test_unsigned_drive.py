@@ -1,6 +1,7 @@
 """A current that is a magnitude is told from one that a load keeps positive, whatever its column is called."""
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -87,6 +88,68 @@ def test_a_negative_value_in_another_recording_is_a_sign():
     drive = current(SPEEDS["sines"], 0.0, 0.5)
     both = [recorded(SPEEDS["sines"], np.abs(drive)), recorded(SPEEDS["sines"], drive)]
     assert not unsigned_signals(both)
+
+
+def one_way(way, drive_of, load_torque=0.0, fast=1.0, period=2e-3):
+    """A start, a run and a stop in one direction, at a rate of its own; ``drive_of`` makes what is recorded of it."""
+    time = np.arange(2000) * period
+    speed = way * fast * 10.0 * (np.tanh(time / (60.0 * period) - 6.0) - np.tanh(time / (60.0 * period) - 26.0))
+    drive = load_torque + 0.2 * np.tanh(2.0 * speed) + 0.01 * speed + 5e-3 * np.gradient(speed, period)
+    turned = np.cumsum(speed) * period
+    noise = 0.02 * np.random.default_rng(7).normal(size=len(time))
+    signals = {"motor_position": 0.02 * np.rint((turned - turned[0]) / 0.02), "current": drive_of(drive) + noise**2}
+    return Recording(f"r{way}", np.rint(time * 1e9).astype(np.int64), signals)
+
+
+@pytest.mark.parametrize("rates", [(2e-3, 2e-3), (2e-3, 8e-3)])
+@pytest.mark.parametrize("loads", [(0.0, 0.0), (0.1, 0.05)])
+def test_a_magnitude_is_told_by_recordings_that_go_one_way_each(rates, loads):
+    runs = [one_way(way, np.abs, load, period=period) for way, load, period in zip((1, -1), loads, rates, strict=True)]
+    assert not any(unsigned_signals([run]) for run in runs)
+    assert unsigned_signals(runs) == {"current"}
+    assert not unsigned_signals([one_way(way, lambda drive: drive) for way in (1, -1)])
+
+
+@pytest.mark.parametrize("loads", [(3.0, 3.0), (2.5, 4.0)])
+def test_a_lift_with_a_brake_keeps_its_sign_in_recordings_of_one_way_each(loads):
+    """The brake holds at rest, so that the current goes down to zero there; each run may have a load of its own."""
+    runs = []
+    for way, load_torque in zip((1, -1), loads, strict=True):
+        run = one_way(way, lambda drive: drive, load_torque)
+        moves = np.abs(np.gradient(run.signals["motor_position"])) > 0.0
+        held = np.convolve(moves, np.ones(101), "same") == 0.0
+        runs.append(replace(run, signals={**run.signals, "current": np.where(held, 0.0, run.signals["current"])}))
+        assert runs[-1].signals["current"].min() == 0.0
+    assert not unsigned_signals(runs)
+
+
+def test_runs_of_the_same_way_do_not_tell():
+    assert not unsigned_signals([one_way(1, np.abs), one_way(1, np.abs, fast=0.5)])
+
+
+def test_single_negative_samples_are_noise_and_two_in_a_row_are_a_sign():
+    drive = np.abs(current(SPEEDS["sines"], 0.0, 0.5))
+    drive[[500, 502, 1700]] = -0.3
+    assert unsigned_signals([recorded(SPEEDS["sines"], drive)]) == {"current"}
+    drive[501] = -0.3
+    assert not unsigned_signals([recorded(SPEEDS["sines"], drive)])
+
+
+def test_init_says_so_of_files_of_one_way_each(tmp_path, capsys):
+    traces = []
+    for way in (1, -1):
+        run = one_way(way, np.abs)
+        values = run.signals["current"].copy()
+        values[700] = -0.1
+        rows = "\n".join(
+            f"{t:.6g},{q:.6g},{i:.6g}" for t, q, i in zip(run.time, run.signals["motor_position"], values, strict=True)
+        )
+        traces.append(tmp_path / f"run{way}.csv")
+        traces[-1].write_text(f"time [s],angle [rad],current [A]\n{rows}\n")
+    init(str(tmp_path / "m"), traces, torque_constant=0.05)
+    warned = " ".join(capsys.readouterr().err.split())
+    assert "current [A]: never negative but for single samples, so it looks like a magnitude" in warned
+    assert "magnitude: true" in (tmp_path / "m_map.yaml").read_text()
 
 
 def written(place, name, drive, speed=SPEEDS["sines"]):

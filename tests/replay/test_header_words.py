@@ -92,3 +92,24 @@ def test_a_letter_that_is_a_unit_of_what_the_name_says_is_one(name, unit):
 @pytest.mark.parametrize("name", ["速度 n", "转矩 M", "момент M"])
 def test_a_letter_behind_a_blank_is_no_unit_of_what_the_name_does_not_say(name):
     assert header_words(name).unit is None and header_words(name).words == (name[-1].lower(),)
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "foreign"),
+    [
+        ("knee[ActPack]:motor_current", ("knee", "act", "pack", "motor", "current"), ""),
+        ("leg[FL].torque", ("leg", "fl", "torque"), ""),
+        ("q[0].pos", ("q", "0", "pos"), ""),
+        ("motor current [ActPack]", ("motor", "current"), "ActPack"),  # nothing follows: a unit, though an unknown one
+        ("torque (%) filtered", ("torque", "filtered"), "%"),
+        ("P (kW) mech", ("p", "mech"), "kW"),
+        ("pos (3)", ("pos",), "3"),
+    ],
+)
+def test_a_bracket_before_more_of_the_name_is_part_of_it(name, words, foreign):
+    read = header_words(name)
+    assert (read.words, read.foreign, read.unit) == (words, foreign, None)
+
+
+def test_a_known_unit_may_stand_before_more_of_the_name():
+    assert header_words("Torque (Nm) raw").unit == "N m"

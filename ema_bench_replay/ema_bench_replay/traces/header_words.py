@@ -87,6 +87,9 @@ _COUNTS_AS_UNITS = frozenset({"pulse", "increment", "step", "steps", "edges", "s
 _OF_NO_SIGNAL = frozenset({"w", "kw", "va", "kva", "var", "kvar"})
 """Units of power behind a name in other letters."""
 
+_NO_PART = _OF_NO_SIGNAL | {"g", "mg"}
+"""Units of no signal that may stand in brackets within a name, where other words tell a part of the machine."""
+
 _IN_OTHER_LETTERS = {
     "time": r"时间|時間|時刻|时刻|시간|время",
     "temperature": r"温度|溫度|온도|температур",
@@ -179,8 +182,8 @@ def _without_unit(text: str) -> tuple[str, str | None, bool, str]:
     for found in reversed(list(_BRACKETS.finditer(text))):
         if unit := _unit_in_its_place(found[1]):
             return text[: found.start()] + " " + text[found.end() :], unit, False, ""
-        foreign = foreign or found[1]
-    plain = _BRACKETS.sub(" ", text).strip() or text
+        foreign = foreign or ("" if _names_a_part(found) else found[1])
+    plain = _BRACKETS.sub(lambda found: f" {found[1]} " if _names_a_part(found) else " ", text).strip() or text
     name, tail = _without_glued_unit(plain)
     if (unit := _unit_in_its_place(tail)) and (not _is_letter(tail) or _SPELLINGS[unit][0] in _told_quantities(name)):
         return name, unit, False, ""
@@ -192,6 +195,13 @@ def _without_unit(text: str) -> tuple[str, str | None, bool, str]:
         if unit and before and (not told or _SPELLINGS[unit][0] in told):
             return before, unit, mark[0] == "_" and after.lower() in _SUBSCRIPTS, ""
     return plain, None, False, foreign
+
+
+def _names_a_part(bracket: re.Match[str]) -> bool:
+    """Whether a bracket is part of a name that goes on behind it, as in ``knee[left].torque``, and no unit."""
+    goes_on = re.search(r"\w", _BRACKETS.sub("", bracket.string[bracket.end() :]))
+    known = bracket[1].lower() in _NO_PART
+    return goes_on is not None and not known and re.fullmatch(r"\w[\w .-]*", bracket[1]) is not None
 
 
 def in_other_letters(text: str) -> bool:

@@ -42,6 +42,7 @@ class TraceTable:
     style: Style
     warnings: tuple[str, ...]
     left_out: tuple[int, ...] = ()  # rows of the file, counted from 0 below the header, that are not in the columns
+    in_seconds: frozenset[str] = frozenset()  # columns of times of day or dates, converted to s
 
     def line(self, row: int) -> int:
         """Line number (counted from 1) of a row (counted from 0)."""
@@ -123,7 +124,18 @@ def read_table(
     if not columns[0].size:
         raise InputError(f"{path}: has a header and no rows below it; export the trace again")
     style = rows.style(newline)
-    return TraceTable(path, sha256, rows.header, header_line, columns, rows.decimals, style, tuple(rows.warnings))
+    in_seconds = frozenset(rows.header[column] for column in rows.times_of_day)
+    return TraceTable(
+        path,
+        sha256,
+        rows.header,
+        header_line,
+        columns,
+        rows.decimals,
+        style,
+        tuple(rows.warnings),
+        in_seconds=in_seconds,
+    )
 
 
 class _RowReader:
@@ -143,6 +155,7 @@ class _RowReader:
         self.line = self.first_line = header_line + 1  # of the next row
         self.waiting = b""  # blank lines and comments that end the rows read so far
         self.warnings: list[str] = []
+        self.times_of_day: set[int] = set()  # columns that hold such
         self.written_delimiter = delimiter or next((mark for mark in (";", "\t", ",") if mark in header), ";")
         cells = [cell.strip().strip('"').strip() for cell in header.split(self.written_delimiter)]
         self.trailing = len(cells) > 1 and not cells[-1]
@@ -307,6 +320,7 @@ class _RowReader:
                 except ValueError:
                     if is_time_of_day(cell):
                         rows[number, column] = seconds(cell)
+                        self.times_of_day.add(column)
                         continue
                     rows[number, column] = np.nan
                     if may_end and not _is_number(cell):

@@ -187,7 +187,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
         name: int(np.count_nonzero(np.isnan(column))) for name, column in numbers.items() if np.isnan(column).any()
     }
     try:
-        guesses = guess_columns(table.header, frozenset(no_numbers), numbers)
+        guesses = guess_columns(table.header, frozenset(no_numbers), numbers).timed_in_seconds(table.in_seconds)
     except InputError as error:
         raise InputError(f"{trace}: {error}") from None
     try:

@@ -8,7 +8,8 @@ from collections.abc import Mapping
 from ema_bench_replay.recording import moved_origin
 
 from ..model import Model
-from ..simulation.simulate import DRIVING, LONGEST_GAP, input_by_signals
+from ..simulation.long_gaps import LONGEST_GAP
+from ..simulation.simulate import DRIVING, input_by_signals
 from ..simulation.twin import Twin
 from .pace import Pace
 from .sample_stream import Kind, SampleStream

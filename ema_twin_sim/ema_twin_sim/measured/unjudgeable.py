@@ -18,7 +18,7 @@ from ..plant.measured_motion import SPEED
 from ..quantities import quantity
 from ..reading_noise import reading_noise
 from ..simulation.behind_motor import of_encoders_alone
-from ..simulation.simulate import LONGEST_GAP
+from ..simulation.long_gaps import refuse_long_gaps
 from .observation import Observation
 from .row_noise import smallest_step
 from .smoothed_motion import FEWEST, NEEDED, usual_step
@@ -42,12 +42,7 @@ def refuse_incomplete(recording: Recording, model: Model) -> None:
     if len(recording) < FEWEST:
         raise InputError(f"{recording.name}: {len(recording)} samples are too few to tell anything")
     second, _ = shown(model, 1.0, "s")
-    longest = max(recording.gaps, key=lambda gap: gap.duration, default=None)
-    if longest is not None and second * longest.duration > LONGEST_GAP:
-        raise InputError(
-            f"{recording.name}: {second * longest.duration:.4g} s are missing at {second * longest.time:.4g} s; "
-            "cut it there (--to, --from)"
-        )
+    refuse_long_gaps(recording, second)
 
 
 def refuse_unchanging(recording: Recording, signals: Mapping[str, np.ndarray], model: Model) -> None:

@@ -62,6 +62,14 @@ TRANSDUCER = r"^sensor|transducer|^cell$|loadcell|messwelle|dehn|strain"
 """Names of transducers that measure the torque behind a machine whose current is measured too."""
 FILTERED = r"^filt|smooth|geglaett"
 """A smoothed copy of a signal: taken only if the signal itself is missing."""
+UNPROCESSED = r"^(raw|values?|states?|signals?|data|dot)$"
+"""Words that come with any quantity and tell neither a part of the machine nor a side of it."""
+OF_A_SYMBOL = (
+    r"^(..?|rms|eff|avg|mean|mittel|sum|total|ges|gesamt|anker|armature|stator|phase|welle|shaft|spindle|spindel)$"
+)
+"""Words beside which a single letter is still the symbol of a quantity: subscripts, kinds, parts of all motors."""
+NUMBER_OF_SOMETHING = r"^(number|nummer|sequence|index)$"
+"""The last word of a name without a unit that is no measurement, as of ``current program number``."""
 SLIDES = r"^pos|^x$|^s$|weg$|travel|stroke|hub$"
 """Words for positions that may be lengths."""
 TIME_WORDS = (

@@ -20,6 +20,7 @@ from ema_bench_replay.units import units_of
 from .column_quantity import has_word, word_quantity
 from .column_words import MOTOR_ITSELF, OUTPUT, SLIDES
 from .joints import ONE_JOINT, Joint, Numbered, one_joint
+from .part_names import without_lone_letters
 from .row_counters import row_counters
 from .signal_columns import choose_signals, drive_command, other_torques, signal_column, supply_current
 from .time_column import is_assumed, time_column
@@ -52,6 +53,7 @@ class Guess:
     doubt: str = ""  # what to check, if the unit was not in the name
     of_motor: bool = False  # whether its name says that it is given at the motor's shaft
     shaft_doubt: str = ""  # what to check, if the shaft was not in the name
+    origin_doubt: str = ""  # what to check, if it may be of another part of the machine than the signals beside it
     turned_round: bool = False  # whether its sign is reversed
     magnitude: bool = False  # whether it has no sign
     command: bool = False  # whether it is a command in place of a measurement
@@ -88,6 +90,12 @@ class Guesses:
         kept = tuple(guess for guess in self.signals if guess.column not in columns)
         return replace(self, signals=kept, left=(*self.left, *columns))
 
+    def timed_in_seconds(self, columns: Collection[str]) -> Guesses:
+        """The same with a time in s, whatever its name says, if these columns of dates or times of day hold it."""
+        if self.time is None or self.time.column not in columns:
+            return self
+        return replace(self, time=replace(self.time, unit="s"))
+
     def as_magnitudes(self, signals: Collection[str]) -> Guesses:
         """The same with these signals read as magnitudes without sign."""
         read = tuple(replace(guess, magnitude=True) if guess.signal in signals else guess for guess in self.signals)
@@ -96,6 +104,11 @@ class Guesses:
     def with_doubt(self, signal: str, doubt: str) -> Guesses:
         """The same with something to check about what this signal is."""
         told = tuple(replace(each, shaft_doubt=doubt) if each.signal == signal else each for each in self.signals)
+        return replace(self, signals=told)
+
+    def with_origin_doubt(self, signal: str, doubt: str) -> Guesses:
+        """The same with the doubt that a signal's column may be of another part of the machine."""
+        told = tuple(replace(each, origin_doubt=doubt) if each.signal == signal else each for each in self.signals)
         return replace(self, signals=told)
 
     def with_load(self, load: Guess) -> Guesses:
@@ -136,8 +149,9 @@ def guess_columns(
         raise InputError(
             f"header: column {time.name!r} holds no numbers; export the time in s or ms, counted from the start"
         )
+    names = [*without_lone_letters([read for read in names if read is not time])]
     counters = row_counters(names, numbers, time)
-    usable = [read for read in names if read is not time and read.name not in {*no_numbers, *counters}]
+    usable = [read for read in names if read.name not in {*no_numbers, *counters}]
     whole = {name: values for name, values in numbers.items() if name not in no_numbers}
     of_joint, usable = one_joint([_numbered(read) for read in usable], whole, joint)
     other_motion = tuple(
@@ -251,6 +265,6 @@ def _unit(read: HeaderWords, signal: str, motion: str) -> str | None:
 
 
 def _numbered(read: HeaderWords) -> Numbered:
-    """A column with its quantity, for the search for joints that are numbered in the names."""
+    """A column with its quantity, for the search for joints that the names distinguish."""
     column = signal_column(read)
     return Numbered(read, None, False) if column is None else Numbered(read, column.quantity, column.setpoint)

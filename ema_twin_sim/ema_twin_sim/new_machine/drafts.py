@@ -18,6 +18,7 @@ from ema_bench_replay.traces.header_words import header_words
 from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.units import unit_in
 
+from ..criteria import SMALL
 from ..listing import first_of
 from ..measured.drive_regression import sign_of_drive
 from ..measured.load_sensor import falls_with_load, follows_load, times_current
@@ -31,7 +32,7 @@ from .given import Given
 from .load_by_numbers import load_by_numbers
 from .map_draft import draft_map
 from .model_draft import ModelDraft, draft_model, farthest
-from .position_beside_speed import not_summed, unlike_speed
+from .position_beside_speed import not_summed, share_beside_speed, unlike_speed
 from .rows import may_be_points
 from .shaft import Shaft, is_geared, is_possible, position_shaft, ratio_of_positions, too_slow_for_a_motor
 from .signal_columns import is_quadrature
@@ -100,9 +101,19 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
             )
         guesses = guesses.without(tuple(left_out))
         recordings = _read(draft_map(guesses, of, shaft), traces)
+    share = share_beside_speed(recordings)
+    if share > SMALL:
+        told = f"{100.0 * share:.0f} % of its way is not the speed's"
+        guesses = guesses.with_origin_doubt("motor_position", f"{told}: are both of the same shaft?")
     assumed, shown = [_followed(guess) for guess in guesses.signals if guess.command], []
     if (clock := guesses.time) is not None and clock.doubt and header_words(clock.column).unit is not None:
         assumed.append(f"{clock.column}: {clock.doubt} (if each row is an operating point, give --operating-points)")
+    motion = {guess.signal: guess.column for guess in guesses.signals}
+    if share > SMALL:
+        assumed.append(
+            f"{motion['motor_position']}: of the same shaft as {motion['speed']}, though {told} (if it is not, remove "
+            "one of them and run init again)"
+        )
     load = next((guess for guess in guesses.signals if guess.signal == "load_torque" and guess.shaft_doubt), None)
     if load is not None:
         assumed.append(
@@ -166,7 +177,11 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
                 f"{drives}: positive drives forwards, which the recordings do not show clearly (otherwise add "
                 "`factor: -1` to its line of the map)"
             )
-    asked = (*(_no_sign(guess) for guess in guesses.signals if guess.magnitude), *questions, *model.questions)
+    asked = (
+        *(_no_sign(guess, recordings) for guess in guesses.signals if guess.magnitude),
+        *questions,
+        *model.questions,
+    )
     if turned_drive:
         told = f"{drives}: as recorded, it acts against the motion, so its sign is reversed (`factor: -1` in the map)"
         asked = (f"{told}; if the motion has the wrong sign, reverse the position and the speed instead", *asked)
@@ -190,12 +205,14 @@ def _without(recording: Recording, signals: Collection[str]) -> Recording:
     return recording if len(kept) == len(recording.signals) else replace(recording, signals=kept)
 
 
-def _no_sign(guess: Guess) -> str:
+def _no_sign(guess: Guess, recordings: Sequence[Recording]) -> str:
     """That a column is read as a magnitude, and what to do about it."""
+    read = [recording.signals[guess.signal] for recording in recordings if recording.has(guess.signal)]
+    but = " but for single samples" if any((values < 0.0).any() for values in read) else ""
     return (
-        f"{guess.column}: never negative, so it looks like a magnitude without sign (`magnitude: true` in the map), "
-        "which serves to judge health and drives no twin; record the motor's current with its sign, or take the mark "
-        "away if a load that always pulls one way keeps it positive"
+        f"{guess.column}: never negative{but}, so it looks like a magnitude without sign (`magnitude: true` in the "
+        "map), which serves to judge health and drives no twin; record the motor's current with its sign, or take the "
+        "mark away if a load that always pulls one way keeps it positive"
     )
 
 

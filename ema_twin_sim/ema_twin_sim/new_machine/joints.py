@@ -1,8 +1,8 @@
 """Columns of several joints in one trace, as robots log them: the columns of one joint are taken, since a search judges
 one joint.
 
-Joints are distinguished by a number in the names, as in ``q1 … q6`` or ``pos (3)``. Two numbered shafts that move
-together are motor and output of one drive train.
+Joints are distinguished by a number in the names, as in ``q1 … q6`` or ``pos (3)``, or by words and letters, as in
+``left_hip_torque`` or ``X_position``. Two shafts that move together are motor and output of one drive train.
 """
 
 from __future__ import annotations
@@ -16,15 +16,19 @@ import numpy as np
 from ema_bench_replay.traces.header_words import HeaderWords
 from ema_bench_replay.units import MOTIONS, units_of
 
-from ..criteria import SMALL
+from ..criteria import NEGLIGIBLE, SMALL
+from .part_names import part_in_the_name, part_of
 
 _DRIVES = frozenset({"current", "torque"})
 _MOVES = ("position", "speed")
 
+Part = tuple[str, ...]
+"""The words, or the number, by which a column's name tells its joint; empty if it tells none."""
+
 
 @dataclass(frozen=True)
 class Joint:
-    """The number of the joint whose columns are taken, and those of the others; empty if there is only one joint."""
+    """The number or name of the joint whose columns are taken, and those of the others; empty if there is only one."""
 
     number: str = ""
     others: tuple[str, ...] = ()
@@ -32,10 +36,10 @@ class Joint:
     @property
     def sentence(self) -> str:
         """Which joint was chosen and why, and how to choose another."""
+        which = f"numbered {self.number}, of" if self.number.isdigit() else f"of {self.number},"
         return (
-            f"the columns numbered {self.number}, of the joint with the largest motion; those of "
-            f"{', '.join(self.others)} are not used (to use another joint, remove the others' columns and run init "
-            "again)"
+            f"the columns {which} the joint with the largest motion; those of {', '.join(self.others)} are not used "
+            "(to use another joint, remove the others' columns and run init again)"
         )
 
 
@@ -54,52 +58,92 @@ class Numbered:
 def one_joint(
     columns: Sequence[Numbered], numbers: Mapping[str, np.ndarray], wanted: str = ""
 ) -> tuple[Joint, list[HeaderWords]]:
-    """Choose one joint; return it with the names of its columns (without its number) and of those of no joint.
+    """Choose one joint; return it with the names of its columns (without its own) and of those of no joint.
 
     ``numbers`` are the columns' values, (n,) each; ``wanted`` is the joint taken in another trace of the same machine.
     """
     names = [column.read for column in columns]
-    joints = _joints(columns, numbers)
-    if len(joints) < 2 or any(_one_train(a, b, numbers) for a, b in _pairs(joints)):
+    parts = {read.name: _number_of(read) for read in names}
+    joints = _joints(columns, numbers, parts)
+    by_words = _parts_by_words(columns)
+    named = _joints(columns, numbers, by_words)
+    by_number = len(named) <= len(joints)  # names that number all joints alike need not agree in their words
+    if not by_number:
+        parts, joints = by_words, named
+    if len(joints) < 2 or _are_one_train([*joints.values()], numbers, by_number):
         return ONE_JOINT, names
-    chosen = wanted if wanted in joints else max(joints, key=lambda number: travel(joints[number], numbers))
-    others = frozenset(joints) - {chosen}
+    known = {part_in_the_name(part, read.name): part for part, read in joints.items()}
+    chosen = wanted if wanted in known else max(known, key=lambda name: travel(joints[known[name]], numbers))
+    own, others = known[chosen], [part for name, part in known.items() if name != chosen]
     kept = [
-        replace(read, words=tuple(word for word in read.words if word != chosen))
-        for read in names
-        if not others & {*_numbers_in(read)}
+        replace(column.read, words=tuple(word for word in column.read.words if word not in own))
+        for column in columns
+        if not _is_of_others(parts[column.read.name], own, others)
+        and (by_number or not _is_elsewhere(column, parts[column.read.name], own))
     ]
-    return Joint(chosen, tuple(number for number in joints if number in others)), kept
+    return Joint(chosen, tuple(name for name in known if name != chosen)), kept
 
 
-def _joints(columns: Sequence[Numbered], numbers: Mapping[str, np.ndarray]) -> dict[str, HeaderWords]:
-    """The column with the motion of each joint, by number; a joint has both a current or torque and a motion.
+def _joints(
+    columns: Sequence[Numbered], numbers: Mapping[str, np.ndarray], parts: Mapping[str, Part]
+) -> dict[Part, HeaderWords]:
+    """The column with the motion of each joint, by its part; a joint has both a current or torque and a motion.
 
-    A command of the current or torque counts if none was measured.
+    ``parts`` are those of the columns, by their names. A command of the current or torque counts if none was measured.
     """
-    found: dict[str, dict[str, HeaderWords]] = {}
+    found: dict[Part, dict[str, HeaderWords]] = {}
     commanded = not any(column.quantity in _DRIVES and not column.setpoint for column in columns)
     for column in columns:
-        digits = _numbers_in(column.read)
         if column.setpoint and not (commanded and column.quantity in _DRIVES):
             continue
-        if len(digits) == 1 and column.quantity and column.read.name in numbers:
-            found.setdefault(digits[0], {}).setdefault(column.quantity, column.read)
+        part = parts[column.read.name]
+        if part and column.quantity and column.read.name in numbers:
+            found.setdefault(part, {}).setdefault(column.quantity, column.read)
     return {
-        number: held.get("position", held.get("speed", next(iter(held.values()))))
-        for number, held in found.items()
+        part: held.get("position", held.get("speed", next(iter(held.values()))))
+        for part, held in found.items()
         if _DRIVES & held.keys() and any(move in held for move in _MOVES)
     }
 
 
-def _numbers_in(read: HeaderWords) -> list[str]:
+def _number_of(read: HeaderWords) -> Part:
     """The numbers in a column's name, including one in brackets."""
-    return [word for word in (*read.words, read.foreign) if word.isdigit()]
+    return tuple(word for word in (*read.words, read.foreign) if word.isdigit())
 
 
-def _pairs(joints: Mapping[str, HeaderWords]) -> list[tuple[HeaderWords, HeaderWords]]:
-    reads = list(joints.values())
-    return [(one, other) for place, one in enumerate(reads) for other in reads[place + 1 :]]
+def _parts_by_words(columns: Sequence[Numbered]) -> dict[str, Part]:
+    """What the words of each column's name tell of its joint; ``l`` is the left and no load where there is an ``r``."""
+    beside_right = {"l", "r"} <= {word for column in columns for word in column.read.words}
+    return {column.read.name: part_of(column.read, column.quantity, load=not beside_right) for column in columns}
+
+
+def _is_of_others(part: Part, own: Part, others: Sequence[Part]) -> bool:
+    """Whether a column's name tells another joint, and that more closely than the chosen one."""
+    also = len(own) if {*own} <= {*part} else 0
+    return any({*other} <= {*part} and len(other) >= also for other in others)
+
+
+def _is_elsewhere(column: Numbered, part: Part, own: Part) -> bool:
+    """Whether a column drives or moves what is no joint, such as a foot or the whole robot."""
+    if column.quantity not in (*_DRIVES, *_MOVES):
+        return False
+    return not ({*part} <= {*own} or {*own} <= {*part})
+
+
+def _are_one_train(motions: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray], by_number: bool) -> bool:
+    """Whether motions told apart ``by_number``, or else by words, are those of motor and output of one drive train.
+
+    Shafts of a train are seldom named by words that tell no side, and joints of a robot often go almost in step: then
+    all must go together but for next to nothing, and not equally far, as the joints of two legs do.
+    """
+    pairs = [(one, other) for place, one in enumerate(motions) for other in motions[place + 1 :]]
+    if by_number:
+        return any(_apart(one, other, numbers) < SMALL for one, other in pairs)
+    return all(
+        _apart(one, other, numbers) < NEGLIGIBLE
+        and abs(travel(one, numbers) - travel(other, numbers)) > SMALL * travel(one, numbers)
+        for one, other in pairs
+    )
 
 
 def travel(read: HeaderWords, numbers: Mapping[str, np.ndarray]) -> float:
@@ -109,9 +153,9 @@ def travel(read: HeaderWords, numbers: Mapping[str, np.ndarray]) -> float:
     return float(np.ptp(values[np.isfinite(values)])) * known.get(read.unit or "", 1.0)
 
 
-def _one_train(one: HeaderWords, other: HeaderWords, numbers: Mapping[str, np.ndarray]) -> bool:
-    """Whether nearly all of one motion is that of the other; less is not enough, since two joints may move in step."""
-    return math.sqrt(1.0 - likeness(numbers[one.name], numbers[other.name]) ** 2) < SMALL
+def _apart(one: HeaderWords, other: HeaderWords, numbers: Mapping[str, np.ndarray]) -> float:
+    """The share of one motion that is not that of the other; little alone, since two joints may move in step."""
+    return math.sqrt(1.0 - likeness(numbers[one.name], numbers[other.name]) ** 2)
 
 
 def likeness(one: np.ndarray, other: np.ndarray) -> float:

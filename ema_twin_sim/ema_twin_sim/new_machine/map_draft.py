@@ -30,6 +30,8 @@ def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
         unit = guesses.time.unit or "s"
         doubt = check_comment(guesses.time.doubt if guesses.time.unit else "the header names no unit")
         lines.append(f"time: {{column: {_quoted(guesses.time.column)}, unit: {unit}}}{doubt}")
+    if guesses.joint.number:
+        lines.append(f"# {CHECK}: {guesses.joint.sentence}")
     lines.append("signals:")
     lines += [_signal_line(guess, guesses.motion, shaft) for guess in guesses.signals]
     if not guesses.drives and not any(guess.magnitude for guess in guesses.signals):
@@ -55,7 +57,8 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
 
     def look(at: str) -> str:
         """The comment on what to check: the unit of the numbers, and the shaft that they belong to."""
-        return check_comment("; ".join(filter(None, (at, shaft.doubt if of_position else guess.shaft_doubt))))
+        of_shaft = shaft.doubt if of_position else guess.shaft_doubt
+        return check_comment("; ".join(filter(None, (at, of_shaft, guess.origin_doubt))))
 
     turned = ", factor: -1" if guess.turned_round else ""
     magnitude = ", magnitude: true" if guess.magnitude else ""

@@ -52,6 +52,16 @@ def unlike_speed(recordings: Sequence[Recording]) -> str:
     return "not used: it has nothing in common with the integral of the speed"
 
 
+def share_beside_speed(recordings: Sequence[Recording]) -> float:
+    """The share of a motor position's way (rms) that is not the speed's in any unit, where both go together most.
+
+    Little (0 too if no recording shows both) if they are of one shaft, and much of two that move almost in step.
+    """
+    judged = [recording for recording in recordings if _shows_motion(recording)]
+    alike = max((_likeness(recording) for recording in judged), default=1.0)
+    return math.sqrt(max(0.0, 1.0 - alike**2))
+
+
 def going_with_speed(positions: Mapping[str, np.ndarray], speed: np.ndarray, time: np.ndarray) -> frozenset[str]:
     """The names of the ``positions`` (n,) that go with a ``speed`` (n,) most; all if none does, or with too few rows.
 
@@ -80,10 +90,15 @@ def _alike_if_counted_on(position: np.ndarray, travelled: np.ndarray) -> float:
 
 
 def _goes_with_speed(recording: Recording) -> bool:
+    return _likeness(recording) >= PART
+
+
+def _likeness(recording: Recording) -> float:
+    """How far a recording's motor position goes where its speed goes, 0 to 1."""
     position, wrong = _position(recording), spoilt(recording.signals["motor_position"])
     if np.mean(wrong) < NEGLIGIBLE:  # these are left out wherever the recording is used
         position = np.where(wrong, np.nan, position)
-    return _alike(position, travelled_by_speed(recording)) >= PART
+    return _alike(position, travelled_by_speed(recording))
 
 
 def _jumps(recording: Recording) -> int:

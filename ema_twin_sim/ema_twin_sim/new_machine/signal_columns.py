@@ -25,6 +25,7 @@ from .column_words import (
     MOTOR,
     MOVED,
     NO_SIGNAL,
+    NUMBER_OF_SOMETHING,
     OUTPUT,
     POWER_UNIT,
     SETPOINT,
@@ -54,6 +55,8 @@ class Column:
 def signal_column(read: HeaderWords) -> Column | None:
     """What a column may be; None if it is no signal."""
     if has_word(read.words, NO_SIGNAL) or "ddot" in read.words or _is_feedforward(read.words):
+        return None
+    if read.quantity is None and has_word(read.words[-1:], NUMBER_OF_SOMETHING):
         return None
     by_words = word_quantity(read.words)
     quantity = read.quantity or by_words

@@ -74,7 +74,18 @@ def assumed_units(guesses: Guesses) -> list[str]:
             read.setdefault("no unit in the header", []).append(guess)
         elif guess.unit not in (None, COUNTS) and guess.doubt:
             read.setdefault(guess.doubt, []).append(guess)
-    return [_assumed_unit(columns, why, guesses.motion) for why, columns in read.items()]
+    return [*_assumed_clock(guesses.time), *(_assumed_unit(each, why, guesses.motion) for why, each in read.items())]
+
+
+def _assumed_clock(clock: Guess | None) -> list[str]:
+    """What was assumed of a clock whose name has no unit; empty if nothing was."""
+    if clock is None or clock.unit is None or not clock.doubt or header_words(clock.column).unit is not None:
+        return []
+    other = "ms" if clock.unit == "s" else "s"
+    return [
+        f"{clock.column} in {clock.unit}: {clock.doubt} (otherwise add the unit to the name, as in '{clock.column} "
+        f"[{other}]', and run init again)"
+    ]
 
 
 def _assumed_unit(columns: Sequence[Guess], why: str, motion: str) -> str:
@@ -96,6 +107,8 @@ def _values(model: Model) -> Iterator[tuple[str, str, str]]:
             if held.source.startswith(LAST_DIGIT):
                 digit = held.source[len(LAST_DIGIT) :].strip(" ()")
                 yield path, f"{name.split()[0]} position", f"in steps of {digit} (the last digit of its column)"
+            elif path.endswith("_noise") and held.value == 0.0:
+                yield path, name, "none (the signal shows no noise)"
             elif unit in _PER:
                 yield path, name, f"{held.value:.0f} counts per {_PER[unit]}"
             else:

@@ -1,7 +1,7 @@
 """Find units that are not in the header from the numbers: a position must be the integral of its speed.
 
-If the speed's unit is known, this gives the position's, and a counter's counts per turn; and the other way round. Time
-without a unit is taken in the largest unit in which the sample period is one of a drive.
+If the speed's unit is known, this gives the position's, and a counter's counts per turn; and the other way round. Of a
+time without a unit it gives the unit as well.
 """
 
 from __future__ import annotations
@@ -22,10 +22,9 @@ from ..measured.way_by_speed import steady_factor
 from .columns import Guess, Guesses
 from .products import with_products_units
 from .steps import is_decimal, smallest_step
+from .time_unit import time_unit as unit_of_clock
+from .time_unit import unit_of_size
 from .usual_counts import usual_counts
-
-SLOWEST_SAMPLES = 0.1
-"""s, longest sample period of a drive's trace; a time without a unit that is slower is taken in a smaller unit."""
 
 _PARTS = 40  # parts of a recording whose distances are compared
 _FEWEST = 8  # number of parts that must be long enough
@@ -44,8 +43,7 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
     position, speed = known.get("motor_position"), known.get("speed")
     time_unit, time_doubt = clock.unit, clock.doubt
     if time_unit is None:
-        time_unit = _time_unit(time, position, speed, numbers)
-        time_doubt = "no unit in the header; otherwise the sample period would be too long" if time_unit != "s" else ""
+        time_unit, time_doubt = unit_of_clock(time, _unit_by_motion(time, position, speed, numbers))
     seconds = (time - time[0]) * TIME_UNITS[time_unit] * 1e-9
     changed: dict[str, Guess] = {}
     output = known.get("output_position")
@@ -143,17 +141,25 @@ def _radians(guess: Guess) -> float:
     return units_of("motor_position")[guess.unit or "rad"]
 
 
-def _time_unit(time: np.ndarray, position: Guess | None, speed: Guess | None, numbers: Mapping[str, np.ndarray]) -> str:
-    """The unit of time in which position and speed agree; else the largest with a sample period of a drive."""
-    if position is not None and speed is not None and speed.unit is not None and not _open(position):
-        ways = _ways(numbers[position.column], numbers[speed.column], time - time[0])
-        if ways is not None:
-            second = abs(ways) * _radians(position) / units_of("speed")[speed.unit]
-            for unit, size in TIME_UNITS.items():
-                if abs(second / (size * 1e-9) - 1.0) < SMALL:
-                    return unit
-    step = float(np.median(np.diff(time)))
-    return next((unit for unit, size in TIME_UNITS.items() if step * size * 1e-9 <= SLOWEST_SAMPLES), "ns")
+def _unit_by_motion(
+    time: np.ndarray, position: Guess | None, speed: Guess | None, numbers: Mapping[str, np.ndarray]
+) -> str | None:
+    """The unit of time in which position and speed agree; None if they do not show it.
+
+    Where only one of them has a unit, the other may have any usual one; without any they share that of the angle.
+    """
+    if position is None or speed is None or (position.unit == COUNTS and _open(position)):
+        return None
+    ways = _ways(numbers[position.column], numbers[speed.column], time - time[0])
+    if ways is None:
+        return None
+    angles, speeds = units_of("motor_position"), units_of("speed")
+    if position.unit is None and speed.unit is None:
+        return unit_of_size([abs(ways)], NEGLIGIBLE)
+    ways_told = [_radians(position)] if position.unit is not None else [angles[unit] for unit in ("rad", "deg", "rev")]
+    speeds_told = [speeds[speed.unit]] if speed.unit is not None else [speeds[unit] for unit in _USUAL[1]]
+    sizes = [abs(ways) * way / by for way in ways_told for by in speeds_told]
+    return unit_of_size(sizes, SMALL if len(sizes) == 1 else NEGLIGIBLE)
 
 
 def _by_way(position: Guess, speed: Guess, ways: float | None, gear_ratio: float | None) -> list[Guess]:

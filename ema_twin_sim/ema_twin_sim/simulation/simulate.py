@@ -18,11 +18,9 @@ from ..model.own_units import shown
 from ..plant.layout import BENCH, TWIN
 from .behind_motor import of_encoders_alone, twin_behind_motor
 from .dc_link_check import refuse_recording_beyond_link
+from .long_gaps import refuse_long_gaps
 from .operating_points import twin_at_points
 from .twin import Twin
-
-LONGEST_GAP = 60.0
-"""Longest gap without samples, s, across which a twin integrates."""
 
 DRIVING = {"setpoint": "speed_setpoint", "current": "current", "command": "output_command"}
 """The recorded signal that drives the twin for each input."""
@@ -119,12 +117,12 @@ def simulate(
         return twin_at_points(model, recording)
     second = shown(model, 1.0, "s")[0]
     if chosen == BY_MOTOR:
-        _refuse_long_gap(recording, second)
+        refuse_long_gaps(recording, second)
         return twin_behind_motor(model, recording)
     if not is_long(len(recording)):
         bench = bench_of(recording, second)
         return seen(model, recording, followed(started(model, recording, bench, chosen, step), recording, bench))
-    _refuse_long_gap(recording, second)
+    refuse_long_gaps(recording, second)
     signals = _Signals(wanted)
     for rows in _by_pieces(model, recording, chosen, step):
         signals.add(rows)
@@ -137,7 +135,7 @@ def bench_of(recording: Recording, second: float = 1.0) -> np.ndarray:
 
     ``second`` is the time unit of the recording in s, if it is in own units.
     """
-    _refuse_long_gap(recording, second)
+    refuse_long_gaps(recording, second)
     return _bench_rows(recording, slice(0, len(recording)))
 
 
@@ -185,17 +183,6 @@ class _Signals:
     def finish(self) -> dict[str, np.ndarray]:
         """The signals (n,) by name."""
         return {name: column.finish() for name, column in self._columns.items()}
-
-
-def _refuse_long_gap(recording: Recording, second: float) -> None:
-    """Raise InputError if a gap is too long to be simulated; ``second`` is the recording's time unit in s."""
-    longest = max(recording.gaps, key=lambda gap: gap.duration, default=None)
-    if longest is not None and second * longest.duration > LONGEST_GAP:
-        raise InputError(
-            f"{recording.name}: nothing is recorded for {second * longest.duration:.4g} s from "
-            f"{second * longest.time:.3f} s on; "
-            f"gaps over {LONGEST_GAP:g} s cannot be simulated: cut there (--from, --to)"
-        )
 
 
 def started(model: Model, recording: Recording, bench: np.ndarray, chosen: str, step: float | None) -> Twin:
