@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from ..comparison.beyond_noise import is_noise, times_words, told_share
 from ..criteria import NOISY, SUREST
 from ..listing import listed
-from ..model.own_units import is_linear
 from ..quantities import MOST_TIMES, limited_factor, quantity
 
 if TYPE_CHECKING:
@@ -243,6 +242,7 @@ def order_sentences(model: Model, names: Iterable[str]) -> list[str]:
     """Sentences on the machine parts that repeat at the effects' orders; if the model names none, what they may be."""
     from ..effects import catalogue
     from ..model.model import ORDER_ERROR
+    from ..model.own_units import is_linear
 
     told = []
     unnamed: dict[tuple[str, str], list[str]] = {}
