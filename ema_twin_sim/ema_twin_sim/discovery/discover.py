@@ -33,7 +33,7 @@ from ..model import Model
 from ..model.own_units import in_si, native_as_given
 from ..simulation.angle_origins import without_common_zero
 from .assumed_torque import of_assumed_torque
-from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants, of_straight_waves
+from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants
 from .criteria.contradictions import contradictions
 from .criteria.explained import explained
 from .ending import why_ended
@@ -58,6 +58,7 @@ from .search.wandering_end import (
 from .shares import of_sums, with_division
 from .slight_laws import without_slight_laws
 from .split import ClosedLoop, with_best_split
+from .straight_waves import of_straight_waves
 from .torque_constant import with_assumed_constant_free, with_factor_as_constant, with_factor_in_the_constant
 from .unmoved import beside_constants_as_filed, freed, with_unmoved_constants
 from .unseen import Judge, Unseen, gain_where_unseen

@@ -1,11 +1,11 @@
-"""Warnings beside a finding: what else the same recordings allow."""
+"""An encoder error that is a straight line over the way of the recordings is told with the gear ratio that would do."""
 
 import re
 from dataclasses import replace
 
 import pytest
 
-from ema_twin_sim.discovery.cautions import of_straight_waves
+from ema_twin_sim.discovery.straight_waves import of_straight_waves
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
