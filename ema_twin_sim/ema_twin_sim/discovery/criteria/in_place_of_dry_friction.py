@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from ...criteria import SIGNIFICANT
+from ...criteria import MOSTLY, SIGNIFICANT
 from ...effects import Trait, catalogue, effects_with
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
@@ -25,6 +25,8 @@ def in_place_of_dry_friction(problem: EquationErrorProblem, f: Fit, name: str) -
     if not rubs or effect.id == DRY_FRICTION or not _is_gone(f):
         return False
     without = fit(problem, h.without(name), known=f)
+    if f.misfit < (1.0 - MOSTLY) * without.misfit:
+        return False  # dry friction does not explain what it does
     paths = [free.path for free in without.hypothesis.free]
     k = paths.index(DRY_SCALE)
     std = math.sqrt(max(float(covariance(problem, without)[k, k]), 0.0))
