@@ -69,7 +69,7 @@ def test_joints_that_are_commanded_are_told_apart():
     for joint, size in ((1, 1.0), (2, 3.0)):
         numbers |= {f"q{joint} [rad]": size * np.sin(joint * TIME), f"tau_cmd{joint} [Nm]": np.cos(joint * TIME)}
     guesses = guess_columns(list(numbers), numbers=numbers)
-    assert guesses.joint.number == "2"
+    assert guesses.joint.name == "2"
     assert {guess.signal: guess.column for guess in guesses.signals} == {
         "motor_position": "q2 [rad]",
         "motor_torque": "tau_cmd2 [Nm]",

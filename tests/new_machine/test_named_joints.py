@@ -51,7 +51,7 @@ def test_one_named_joint_is_taken_whole(names, pattern):
         columns = trace(pattern, apart(names, far))
         guesses, found = taken(columns)
         assert found == {signal: pattern.format(joint=far, quantity=said) for said, signal in NAMES.items()}
-        assert guesses.joint.number == far.replace("leg", "leg ").replace("_", " ")
+        assert guesses.joint.name == far.replace("leg", "leg ").replace("_", " ")
         assert len(guesses.joint.others) == len(names) - 1
         assert all(
             column in guesses.left for column in columns if column != "time [s]" and column not in found.values()
@@ -64,7 +64,7 @@ def test_symbols_beside_a_joints_name_are_read(symbols):
     for name, motion in apart(("knee", "ankle"), "ankle").items():
         columns |= {f"{symbol}_{name}": values for symbol, values in zip(symbols, motion.values(), strict=True)}
     guesses, found = taken(columns)
-    assert guesses.joint.number == "ankle" and {*found.values()} == {f"{symbol}_ankle" for symbol in symbols}
+    assert guesses.joint.name == "ankle" and {*found.values()} == {f"{symbol}_ankle" for symbol in symbols}
 
 
 def test_joints_almost_in_step_are_no_motor_and_output():
@@ -84,7 +84,7 @@ def test_sides_of_one_joint_are_no_joints(sides):
     motor = joint(9.0, 1.3)
     output = {quantity: values / (9.0 if quantity != "torque" else 1 / 9.0) for quantity, values in motor.items()}
     guesses, found = taken(trace("{joint} {quantity}", dict(zip(sides, (motor, output), strict=True))))
-    assert guesses.joint.number == ""
+    assert guesses.joint.name == ""
     assert found["motor_position"] == f"{sides[0]} position" and found["output_position"] == f"{sides[1]} position"
 
 
@@ -92,7 +92,7 @@ def test_shafts_of_a_gear_are_one_train_whatever_their_names():
     motor = joint(9.0, 1.3)
     columns = trace("{joint} {quantity}", {"pinion": motor, "rack": {name: 0.1 * way for name, way in motor.items()}})
     guesses, found = taken(columns)
-    assert guesses.joint.number == ""
+    assert guesses.joint.name == ""
     assert (found["motor_position"], found["output_position"]) == ("pinion position", "rack position")
 
 
@@ -101,7 +101,7 @@ def test_what_was_asked_for_is_no_joint(pattern):
     measured, wanted = joint(1.0, 1.3), joint(1.1, 1.3, 0.2)
     for names in (("actual", "desired"), ("meas", "ref"), ("feedback", "command"), ("raw", "filtered")):
         guesses, _ = taken(trace(pattern, dict(zip(names, (measured, wanted), strict=True))))
-        assert guesses.joint.number == ""
+        assert guesses.joint.name == ""
 
 
 def test_what_belongs_to_all_joints_stays_and_what_is_elsewhere_goes():
@@ -116,7 +116,7 @@ def test_what_belongs_to_all_joints_stays_and_what_is_elsewhere_goes():
 def test_one_joint_beside_a_part_that_only_moves_is_no_choice():
     columns = trace("{joint}_{quantity}", {"hip": joint(1.0, 1.3)})
     guesses, _ = taken(columns | {"base_position": 5.0 * np.sin(0.2 * TIME)})
-    assert guesses.joint.number == ""
+    assert guesses.joint.name == ""
 
 
 def test_the_same_joint_is_taken_from_another_trace():
@@ -181,4 +181,4 @@ def test_a_bracket_within_a_name_is_no_unit(tmp_path, capsys):
 def test_a_bracket_may_name_a_joint():
     columns = trace("actuator[{joint}].{quantity}", apart(("hip", "knee"), "knee"))
     guesses, found = taken(columns)
-    assert guesses.joint.number == "actuator knee" and found["speed"] == "actuator[knee].speed"
+    assert guesses.joint.name == "actuator knee" and found["speed"] == "actuator[knee].speed"

@@ -132,7 +132,7 @@ def run(
         for column, reason in drafts.left_out.items():
             say(f"{column}: {reason}")
         warn_of_foreign_units(guesses)
-        joint = (guesses.joint.sentence,) if guesses.joint.number else ()
+        joint = (guesses.joint.sentence,) if guesses.joint.name else ()
         say_what_it_rests_on(*files, (*joint, *assumed_units(guesses), *drafts.assumed), drafts.known)
     for told in (*by_recording(drafts.warnings), *drafts.questions):
         warn(told)

@@ -30,7 +30,7 @@ from ..measured.scales import rms_torque, to_own_units, to_rotary_equivalent, wi
 from ..measured.switching_ripple import with_switching_ripple
 from ..measured.usual_sizes import unusual_currents
 from ..model import Model
-from ..model.own_units import in_si, native_as_given
+from ..model.own_units import in_si, is_linear, native_as_given
 from ..simulation.angle_origins import without_common_zero
 from .assumed_torque import of_assumed_torque
 from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants
@@ -300,7 +300,7 @@ def _impossible(model: Model) -> frozenset[str]:
     Magnets and screws repeat along its way all the same. With a gear ratio of 1 there are no teeth with an order of
     their own.
     """
-    if model.units is None or model.units.radius is None:
+    if not is_linear(model):
         return effects_with(Trait.OF_TEETH) if model.value("machine.gear_ratio") == 1.0 else frozenset()
     turning = {id for id, effect in catalogue().items() if effect.depends_on == "order"}
     return effects_with(Trait.OF_OUTPUT_TURNS) | (turning - effects_with(Trait.MOTOR_WAVE))

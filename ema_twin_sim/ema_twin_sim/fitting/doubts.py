@@ -32,7 +32,7 @@ def no_nearer(
             "the fit does not bring the model nearer to these recordings: the error of the "
             f"{_both(farther, own_before, own_after)}; {why}. Keep the model as it was"
         ]
-    if (farther := _grew(before, after)) and _growth(before, after) > 0.0:
+    if (farther := _grew(before, after)) and sum(_growths(before, after).values()) > 0.0:
         told = _both(farther, before, after)
         return [f"on what was not fitted to, the model as it was is nearer: the error of the {told}"]
     return []
@@ -65,13 +65,11 @@ def _grew(before: Errors, after: Errors) -> list[str]:
     return [signal for signal, growth in _growths(before, after).items() if growth > math.log1p(NEGLIGIBLE)]
 
 
-def _growth(before: Errors, after: Errors) -> float:
-    """Logarithm by which the errors grew, all signals together: each counts in units of its own."""
-    return sum(_growths(before, after).values())
-
-
 def _growths(before: Errors, after: Errors) -> dict[str, float]:
-    """Logarithm by which each error grew that says something; errors within the noise count as the noise."""
+    """Logarithm by which each error grew that says something, so that each counts in units of its own.
+
+    Errors within the noise count as the noise.
+    """
 
     def above(error: SignalError) -> float:
         return max(error["rmse"], NOISY * error["noise_floor"], sys.float_info.min)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..criteria import LIKELY, NEARLY_ALL, NEGLIGIBLE, SIGNIFICANT, SMALL
-from ..effects import catalogue
+from ..effects import Parameter, catalogue
 from ..model.constants import CONSTANTS
 from ..model.own_units import shown
 from ..model.roles import DRY_FRICTION, FRICTION
@@ -32,6 +32,11 @@ def reached_bound(value: float, lower: float, upper: float, std: float, scale: f
         if math.isfinite(bound) and abs(value - bound) <= min((1.0 - NEARLY_ALL) * std, NEGLIGIBLE * scale):
             return side
     return None
+
+
+def is_simpler_law(shape: Parameter, value: float) -> bool:
+    """Whether a shape at its own bound of zero is a simpler law: a bristle without damping is Dahl's."""
+    return value == shape.lower == 0.0
 
 
 def on_bounds(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float]) -> tuple[str, ...]:
@@ -109,12 +114,12 @@ def _typical(f: Fit, free: Free) -> float:
 
 
 def _added(f: Fit, rest: str, side: str) -> list[str]:
-    """For an added effect; a shape of zero is a simpler law, such as a bristle without damping, and no bound."""
+    """For an added effect."""
     name, _, parameter = rest.partition(".")
     instance = f.hypothesis.instance(name)
     effect = catalogue()[instance.effect]
     p = next(p for p in effect.parameters if p.name == parameter)
-    if instance.parameters[parameter] == p.lower == 0.0 and p is not effect.parameters[0]:
+    if p is not effect.parameters[0] and is_simpler_law(p, instance.parameters[parameter]):
         return []
     faster = p.driven and side == "upper"
     remedy = "faster motion" if faster else effect.shown_by

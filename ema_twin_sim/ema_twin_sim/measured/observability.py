@@ -13,6 +13,7 @@ from ..criteria import NEGLIGIBLE
 from ..effects import Trait, catalogue, effects_with
 from ..effects.catalogue import is_own
 from ..model import Model
+from ..model.own_units import is_linear
 from ..simulation.behind_motor import of_encoders_alone
 from ..simulation.operating_points import moves
 from .load_sensor import load_varies
@@ -40,7 +41,7 @@ def _turns_on(recording: Recording, model: Model) -> bool:
     What grows with its travel then is what grows with time: no spring is wound up by so many turns in every recording,
     not even that of a screw or a valve. A carriage makes no turns.
     """
-    if recording.of_points or not recording.has("motor_position") or (model.units and model.units.radius is not None):
+    if recording.of_points or not recording.has("motor_position") or is_linear(model):
         return False
     turned = recording.signals["motor_position"] / (model.turn * model.value("machine.gear_ratio"))
     turned = turned[np.isfinite(turned)]

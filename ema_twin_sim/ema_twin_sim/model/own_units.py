@@ -42,7 +42,7 @@ _POWERS = {
 """For each part of a rotary unit, the powers of radius, time, torque and current that convert own to native values.
 Volts follow from power: V A = N m / s. Other parts are not scaled."""
 ORDER_UNIT = "1/rev"  # of a linear machine, in cycles per metre
-ORDER_DIGITS = 12
+ORDER_DIGITS = 12  # of an order in own units, more than any recording tells
 _PART = re.compile(r"(/)|(N m|kg m\^2|[^\s/^]+)(?:\^(\d+))?")
 
 

@@ -70,6 +70,14 @@ OF_A_SYMBOL = (
 """Words beside which a single letter is still the symbol of a quantity: subscripts, kinds, parts of all motors."""
 NUMBER_OF_SOMETHING = r"^(number|nummer|sequence|index)$"
 """The last word of a name without a unit that is no measurement, as of ``current program number``."""
+OF_NO_PART = "|".join(
+    (
+        *STEMS.values(),
+        *(ACTUAL, COMPUTED, ENCODER, ESTIMATED, FEEDFORWARD, FILTERED),
+        *(MOTOR, OUTPUT, SETPOINT, TRANSDUCER, UNPROCESSED),
+    )
+)
+"""All words that tell what is measured, how, and on which side, and so no part of the machine."""
 SLIDES = r"^pos|^x$|^s$|weg$|travel|stroke|hub$"
 """Words for positions that may be lengths."""
 TIME_WORDS = (

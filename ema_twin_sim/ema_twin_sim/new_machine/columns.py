@@ -19,7 +19,7 @@ from ema_bench_replay.units import units_of
 
 from .column_quantity import has_word, word_quantity
 from .column_words import MOTOR_ITSELF, OUTPUT, SLIDES
-from .joints import ONE_JOINT, Joint, Numbered, one_joint
+from .joints import ONE_JOINT, Joint, JointColumn, one_joint
 from .part_names import without_lone_letters
 from .row_counters import row_counters
 from .signal_columns import choose_signals, drive_command, other_torques, signal_column, supply_current
@@ -153,7 +153,7 @@ def guess_columns(
     counters = row_counters(names, numbers, time)
     usable = [read for read in names if read.name not in {*no_numbers, *counters}]
     whole = {name: values for name, values in numbers.items() if name not in no_numbers}
-    of_joint, usable = one_joint([_numbered(read) for read in usable], whole, joint)
+    of_joint, usable = one_joint([_joint_column(read) for read in usable], whole, joint)
     other_motion = tuple(
         read.name for read in usable if read.linear not in (None, linear) and signal_column(read) is not None
     )
@@ -264,7 +264,7 @@ def _unit(read: HeaderWords, signal: str, motion: str) -> str | None:
     return read.unit if read.unit in units_of(signal, motion) else None
 
 
-def _numbered(read: HeaderWords) -> Numbered:
+def _joint_column(read: HeaderWords) -> JointColumn:
     """A column with its quantity, for the search for joints that the names distinguish."""
     column = signal_column(read)
-    return Numbered(read, None, False) if column is None else Numbered(read, column.quantity, column.setpoint)
+    return JointColumn(read, None, False) if column is None else JointColumn(read, column.quantity, column.setpoint)

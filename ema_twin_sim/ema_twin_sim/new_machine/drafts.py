@@ -101,17 +101,15 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
             )
         guesses = guesses.without(tuple(left_out))
         recordings = _read(draft_map(guesses, of, shaft), traces)
-    share = share_beside_speed(recordings)
-    if share > SMALL:
-        told = f"{100.0 * share:.0f} % of its way is not the speed's"
-        guesses = guesses.with_origin_doubt("motor_position", f"{told}: are both of the same shaft?")
     assumed, shown = [_followed(guess) for guess in guesses.signals if guess.command], []
     if (clock := guesses.time) is not None and clock.doubt and header_words(clock.column).unit is not None:
         assumed.append(f"{clock.column}: {clock.doubt} (if each row is an operating point, give --operating-points)")
-    motion = {guess.signal: guess.column for guess in guesses.signals}
-    if share > SMALL:
+    if (share := share_beside_speed(recordings)) > SMALL:
+        told = f"{100.0 * share:.0f} % of its way is not the speed's"
+        guesses = guesses.with_origin_doubt("motor_position", f"{told}: are both of the same shaft?")
+        column = {guess.signal: guess.column for guess in guesses.signals}
         assumed.append(
-            f"{motion['motor_position']}: of the same shaft as {motion['speed']}, though {told} (if it is not, remove "
+            f"{column['motor_position']}: of the same shaft as {column['speed']}, though {told} (if it is not, remove "
             "one of them and run init again)"
         )
     load = next((guess for guess in guesses.signals if guess.signal == "load_torque" and guess.shaft_doubt), None)

@@ -30,13 +30,13 @@ Part = tuple[str, ...]
 class Joint:
     """The number or name of the joint whose columns are taken, and those of the others; empty if there is only one."""
 
-    number: str = ""
+    name: str = ""
     others: tuple[str, ...] = ()
 
     @property
     def sentence(self) -> str:
         """Which joint was chosen and why, and how to choose another."""
-        which = f"numbered {self.number}, of" if self.number.isdigit() else f"of {self.number},"
+        which = f"numbered {self.name}, of" if self.name.isdigit() else f"of {self.name},"
         return (
             f"the columns {which} the joint with the largest motion; those of {', '.join(self.others)} are not used "
             "(to use another joint, remove the others' columns and run init again)"
@@ -47,7 +47,7 @@ ONE_JOINT = Joint()
 
 
 @dataclass(frozen=True)
-class Numbered:
+class JointColumn:
     """A column's name, what it measures, and whether it is a setpoint."""
 
     read: HeaderWords
@@ -56,7 +56,7 @@ class Numbered:
 
 
 def one_joint(
-    columns: Sequence[Numbered], numbers: Mapping[str, np.ndarray], wanted: str = ""
+    columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray], wanted: str = ""
 ) -> tuple[Joint, list[HeaderWords]]:
     """Choose one joint; return it with the names of its columns (without its own) and of those of no joint.
 
@@ -85,7 +85,7 @@ def one_joint(
 
 
 def _joints(
-    columns: Sequence[Numbered], numbers: Mapping[str, np.ndarray], parts: Mapping[str, Part]
+    columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray], parts: Mapping[str, Part]
 ) -> dict[Part, HeaderWords]:
     """The column with the motion of each joint, by its part; a joint has both a current or torque and a motion.
 
@@ -111,7 +111,7 @@ def _number_of(read: HeaderWords) -> Part:
     return tuple(word for word in (*read.words, read.foreign) if word.isdigit())
 
 
-def _parts_by_words(columns: Sequence[Numbered]) -> dict[str, Part]:
+def _parts_by_words(columns: Sequence[JointColumn]) -> dict[str, Part]:
     """What the words of each column's name tell of its joint; ``l`` is the left and no load where there is an ``r``."""
     beside_right = {"l", "r"} <= {word for column in columns for word in column.read.words}
     return {column.read.name: part_of(column.read, column.quantity, load=not beside_right) for column in columns}
@@ -123,7 +123,7 @@ def _is_of_others(part: Part, own: Part, others: Sequence[Part]) -> bool:
     return any({*other} <= {*part} and len(other) >= also for other in others)
 
 
-def _is_elsewhere(column: Numbered, part: Part, own: Part) -> bool:
+def _is_elsewhere(column: JointColumn, part: Part, own: Part) -> bool:
     """Whether a column drives or moves what is no joint, such as a foot or the whole robot."""
     if column.quantity not in (*_DRIVES, *_MOVES):
         return False

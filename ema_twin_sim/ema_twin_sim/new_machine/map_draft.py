@@ -30,7 +30,7 @@ def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
         unit = guesses.time.unit or "s"
         doubt = check_comment(guesses.time.doubt if guesses.time.unit else "the header names no unit")
         lines.append(f"time: {{column: {_quoted(guesses.time.column)}, unit: {unit}}}{doubt}")
-    if guesses.joint.number:
+    if guesses.joint.name:
         lines.append(f"# {CHECK}: {guesses.joint.sentence}")
     lines.append("signals:")
     lines += [_signal_line(guess, guesses.motion, shaft) for guess in guesses.signals]

@@ -26,7 +26,7 @@ def differing_columns(first: Path, guesses: Guesses, others: Sequence[Path]) -> 
         missing = {signal: column for signal, column in wanted.items() if column not in table.header}
         numbers = dict(zip(table.header, table.columns, strict=True))
         empty = frozenset(name for name, column in numbers.items() if np.isnan(column).all())
-        theirs = guess_columns(table.header, empty, numbers, guesses.joint.number)
+        theirs = guess_columns(table.header, empty, numbers, guesses.joint.name)
         named = {guess.signal: guess.column for guess in theirs.signals}
         if theirs.time is not None:
             named["time"] = theirs.time.column

@@ -13,39 +13,8 @@ from dataclasses import replace
 from ema_bench_replay.traces.header_words import HeaderWords
 
 from .column_quantity import has_word, word_quantity
-from .column_words import (
-    ACTUAL,
-    COMPUTED,
-    ENCODER,
-    ESTIMATED,
-    FEEDFORWARD,
-    FILTERED,
-    MOTOR,
-    OF_A_SYMBOL,
-    OUTPUT,
-    SETPOINT,
-    STEMS,
-    SYMBOLS,
-    TRANSDUCER,
-    UNPROCESSED,
-)
+from .column_words import OF_A_SYMBOL, OF_NO_PART, STEMS, SYMBOLS
 
-_NO_PART = "|".join(
-    (
-        *STEMS.values(),
-        ACTUAL,
-        COMPUTED,
-        ENCODER,
-        ESTIMATED,
-        FEEDFORWARD,
-        FILTERED,
-        MOTOR,
-        OUTPUT,
-        SETPOINT,
-        TRANSDUCER,
-        UNPROCESSED,
-    )
-)
 _LONG_SYMBOLS = frozenset(word for known in SYMBOLS.values() for word in known if len(word) > 1)
 
 
@@ -66,7 +35,7 @@ def part_of(read: HeaderWords, quantity: str | None, *, load: bool = True) -> tu
             word == symbol
             or word in _LONG_SYMBOLS
             or (of_current and word == "q" and len(words) > 1)
-            or (re.search(_NO_PART, word) and (load or word != "l"))
+            or (re.search(OF_NO_PART, word) and (load or word != "l"))
         )
     )
 

@@ -6,14 +6,12 @@ load, under a load that hardly changes, or of one that falls with the speed.
 
 from __future__ import annotations
 
-import math
-
 from ...criteria import MOSTLY, SIGNIFICANT
 from ...effects import Trait, catalogue, effects_with
 from ...identification.equation import EquationErrorProblem
+from ...identification.estimates import standard_errors
 from ...identification.fit import Fit, fit
 from ...identification.hypothesis import DRY_SCALE
-from ...identification.uncertainty import covariance
 from ...model.roles import DRY_FRICTION
 
 
@@ -27,10 +25,7 @@ def in_place_of_dry_friction(problem: EquationErrorProblem, f: Fit, name: str) -
     without = fit(problem, h.without(name), known=f)
     if f.misfit < (1.0 - MOSTLY) * without.misfit:
         return False  # dry friction does not explain what it does
-    paths = [free.path for free in without.hypothesis.free]
-    k = paths.index(DRY_SCALE)
-    std = math.sqrt(max(float(covariance(problem, without)[k, k]), 0.0))
-    return float(without.hypothesis.values[k]) > SIGNIFICANT * std
+    return without.hypothesis.by_path[DRY_SCALE] > SIGNIFICANT * standard_errors(problem, without)[DRY_SCALE]
 
 
 def _is_gone(f: Fit) -> bool:

@@ -18,7 +18,7 @@ from ...effects import NOTHING_KNOWN, Effect, Trait, catalogue, effects_with
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit, prior_rows
 from ...identification.hypothesis import LAG, SIDED
-from ...identification.on_bound import reached_bound
+from ...identification.on_bound import is_simpler_law, reached_bound
 from ...identification.uncertainty import covariance, scaled_inverse
 from ...model.roles import FRICTION, TORQUE_FACTOR
 from .in_place_of_dry_friction import in_place_of_dry_friction
@@ -130,15 +130,14 @@ def _needed(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
 def _shape_on_bound(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     """Whether the shape of an added effect (a speed, a time) ended on the limit of what the recordings reach.
 
-    With open constants, an effect without a shape of its own fits a part of them that the constants do not. A shape of
-    zero is a simpler law: a bristle without damping is Dahl's.
+    With open constants, an effect without a shape of its own fits a part of them that the constants do not.
     """
     effect = catalogue()[f.hypothesis.instance(name).effect]
     shape = {f"effects.{name}.{p.name}": p for p in effect.parameters[1:] if not p.periodic}
     numbers = zip(f.hypothesis.free, f.hypothesis.values, *problem.bounds(f.hypothesis), strict=True)
     return any(
         free.path in shape
-        and not value == shape[free.path].lower == 0.0
+        and not is_simpler_law(shape[free.path], float(value))
         and reached_bound(float(value), float(lower), float(upper), math.inf, abs(value))
         for free, value, lower, upper in numbers
     )

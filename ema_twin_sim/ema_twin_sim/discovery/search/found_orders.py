@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from ...comparison.orders import find_order
+from ...comparison.orders import Periodicity, find_order
 from ...criteria import CORRELATION, NEARLY_ALL, NEGLIGIBLE
 from ...effects import Trait, catalogue, the_effect
 from ...identification.candidates import Candidate, addable
@@ -47,9 +47,9 @@ def order_candidates(
         return
     ratio = base.value("machine.gear_ratio")
     if is_linear(base):  # magnets or a screw repeat along its way, at any order of the drum that stands for it
-        along = [] if the_effect(Trait.MOTOR_WAVE) in without else of_the_gears(problem, f, whole=True)
-        for order in along:
-            yield Candidate(the_effect(Trait.MOTOR_WAVE), {"order": order})
+        strongest = _strongest(problem, f)
+        if strongest is not None and the_effect(Trait.MOTOR_WAVE) not in without:
+            yield Candidate(the_effect(Trait.MOTOR_WAVE), {"order": _as_known(strongest)})
         return
     found: list[tuple[str, Callable[[], Sequence[str]]]] = [
         (the_effect(Trait.MOTOR_WAVE), lambda: standing_out(problem, f)),
@@ -74,11 +74,14 @@ def motor_order(effect: str, order: float, gear_ratio: float) -> float:
     return order / gear_ratio if found.where(found.default_options()) == OUTPUT_TORQUE else order
 
 
-def of_the_gears(problem: EquationErrorProblem, f: Fit, *, whole: bool = False) -> list[str]:
-    """The strongest of all resolved orders; none if it is unclear, or whole (then it belongs to a shaft).
+def of_the_gears(problem: EquationErrorProblem, f: Fit) -> list[str]:
+    """The strongest of all resolved orders; none if it is unclear, or whole (then it belongs to a shaft)."""
+    strongest = _strongest(problem, f)
+    return [] if strongest is None or _is_whole(strongest.order) else [_as_known(strongest)]
 
-    ``whole``: nothing turns, and a whole order is one like any other.
-    """
+
+def _strongest(problem: EquationErrorProblem, f: Fit) -> Periodicity | None:
+    """The strongest of all resolved orders of the motor; None if it is unclear."""
     parts = []
     for o, part in zip(problem.observations, problem.torque_parts, strict=True):
         angle, speed = o.motor_origin + o.motion[o.rows, MOTOR_ANGLE], o.motion[o.rows, SPEED]
@@ -86,10 +89,13 @@ def of_the_gears(problem: EquationErrorProblem, f: Fit, *, whole: bool = False) 
             parts.append((f.residual[part], angle, np.sign(speed)))
     strongest = find_order(parts)
     if strongest is None or strongest.dissipative or strongest.share < (1.0 - NEARLY_ALL):
-        return []
-    if _is_whole(strongest.order) and not whole:
-        return []
-    return [written_order(strongest.order, math.sqrt(CORRELATION) * strongest.order_std)]
+        return None
+    return strongest
+
+
+def _as_known(found: Periodicity) -> str:
+    """A resolved order as its standard error lets it be written."""
+    return written_order(found.order, math.sqrt(CORRELATION) * found.order_std)
 
 
 def written_order(order: float, std: float) -> str:
