@@ -19,7 +19,9 @@ def an_open(stock):
 COMPARES = SimpleNamespace(compares_with=lambda other: True)
 
 
-def a_problem(*torque_rows, encoder_rows=(), calm=None, after_impact=None, noise=0.01, torque=0.1, coarse=False):
+def a_problem(
+    *torque_rows, encoder_rows=(), calm=None, after_impact=None, noise=0.01, reading=0.0, torque=0.1, coarse=False
+):
     """Recordings of so many rows of torque, one after another, and then those of the encoders."""
     edges = np.cumsum([0, *torque_rows, *encoder_rows])
     parts = [slice(a, b) for a, b in pairwise(edges)]
@@ -31,6 +33,8 @@ def a_problem(*torque_rows, encoder_rows=(), calm=None, after_impact=None, noise
             after_impact=np.zeros(rows, bool) if after_impact is None else after_impact,
             rows=np.arange(rows),
             torque_noise=np.full(rows, noise),
+            torque_reading=reading,
+            acceleration_noise=0.0,
             coarse=coarse,
         )
         for k, rows in enumerate(torque_rows)
@@ -52,6 +56,7 @@ def a_fit(hypothesis, raw, size=None, *, parted=False, prior=0.0, inflations=(2.
     if misfits is None:
         misfits = float(np.sum(raw[:size] ** 2)), float(np.sum(raw[size:] ** 2))
     plant = {"two_inertia": np.array([float(parted)]), "bristle_stiffness": np.array([more.pop("bristle", 0.0)])}
+    plant |= {"motor_inertia": np.ones(1), "output_inertia": np.zeros(1)}
     predicted = SimpleNamespace(plant=plant, residual=raw, rows=np.zeros(len(raw)))
     return SimpleNamespace(
         problem=COMPARES, hypothesis=hypothesis, raw=raw, weights=np.ones(len(raw)), parted=parted, prior_cost=prior,

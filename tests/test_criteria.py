@@ -19,7 +19,7 @@ METHOD = {
     "measured/drive_regression.py": "PIECE",
     "measured/folds.py": "FEWEST_OF_BOTH BLOCKS",
     "measured/load_sensor.py": "_WIDTH _SHARE _ENDS _FEWEST_POINTS _SPEED _MOVING _MOTION",
-    "measured/observe.py": "START JITTER LEAST_NOISE LARGEST",
+    "measured/observe.py": "START JITTER LEAST_NOISE WIDER LARGEST",
     "measured/order_spectrum.py": "_ANGLE_BINS _LARGEST _FINER",
     "measured/signal_factors.py": "DEGREES RPM TURN SETPOINT",
     "measured/smoothed_motion.py": "WIDTH COUNTER_WIDTH COUNTER_SPEED_WIDTH COUNTER_PULL LEAST_PERIODS FEWEST",

@@ -32,7 +32,9 @@ class Observation:
     torque: np.ndarray  # (m,) nominal torque constant times current, smoothed
     torque_rate: np.ndarray  # (m,) its slope, N m/s
     acceleration: np.ndarray  # (m,) rad/s2, smoothed by the same kernel
+    acceleration_noise: float  # rad/s2, what the sensor's noise leaves in it
     torque_noise: np.ndarray  # (m,)
+    torque_reading: float  # N m, the part of it that the sensors of current and load leave
     torque_step: float  # N m, between adjacent readings of the current
     coarse: bool  # current steps are wide relative to its noise: neighbouring rows round alike
     hit: np.ndarray  # (n,) rad/s2, largest acceleration shortly before; zero without gearing

@@ -16,7 +16,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
-from ..criteria import CHAOTIC, CORRELATION, COUNTED, LEAST_ROWS, NEGLIGIBLE, SHAKEN, STANDSTILL, THROWN
+from ..criteria import CHAOTIC, CORRELATION, COUNTED, LEAST_ROWS, NEGLIGIBLE, SHAKEN, SMALL, STANDSTILL, THROWN
 from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, LOAD, MOTOR_ANGLE, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
@@ -37,13 +37,17 @@ from .unjudgeable import refuse_incomplete, refuse_unchanging, too_little_motion
 START = 0.03  # own s at each end that are not judged
 JITTER = 2e-4  # own s of possible offset between the two counters' samples, or of an impact
 LEAST_NOISE = 1e-6  # of the torque limit: simulated recordings may have no noise at all
+WIDER = (2.0, 4.0, 8.0)  # times the usual width of the kernel: tried in turn where the acceleration is noisy
 LARGEST = 100.0  # times the largest torque: limit of a drive whose own is not known
 
 
-def observe(recording: Recording, model: Model, widest: float = math.inf, *, bridging: bool = False) -> Observation:
+def observe(
+    recording: Recording, model: Model, widest: float = math.inf, *, bridging: bool = False, wider: float = 1.0
+) -> Observation:
     """Prepare a recording for a diagnosis, with a kernel of at most ``widest`` [own s].
 
     With ``bridging``, the kernel is wide enough for the steps of a log without an even clock; otherwise these are gaps.
+    Without a gearbox it is ``wider`` (1 or more) times as wide as usual, or, at 1, as narrow as the sensors allow.
 
     Raises InputError if a required signal is missing.
     """
@@ -59,7 +63,9 @@ def observe(recording: Recording, model: Model, widest: float = math.inf, *, bri
     # without teeth or compliance nothing is shaken, and reversals are as good as any other rows
     geared = model.value("machine.output_inertia") > 0.0
     reading = max(counter_noise(model, "motor"), 0.0 if geared else reading_noise(signals["motor_position"]))
-    if not geared and "speed" not in signals:
+    if not geared and wider > 1.0:
+        width = max(min(wider * width, widest), width)
+    elif not geared and "speed" not in signals:
         width = narrowest(signals["motor_position"], period, reading, width, LEAST_PERIODS * period)
     elif not geared:
         smoothing = model.value("sensors.speed_smoothing")
@@ -124,7 +130,9 @@ def observe(recording: Recording, model: Model, widest: float = math.inf, *, bri
         torque=_at(drive, kernel, rows),
         torque_rate=smooth(drive, gaussian(width, period, 1))[rows],
         acceleration=acceleration[rows],
+        acceleration_noise=motion_noise,
         torque_noise=noise[rows],
+        torque_reading=white,
         torque_step=constant * smallest_step(raw),
         coarse=rounding_noise(raw, model, reading_noise(signals["current"])) > 0.0,
         hit=hit,
@@ -204,7 +212,9 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
         torque=torque,
         torque_rate=np.zeros(count),
         acceleration=np.zeros(count),
+        acceleration_noise=0.0,
         torque_noise=np.full(count, max(read, LEAST_NOISE * largest)),
+        torque_reading=read,
         torque_step=0.0,
         coarse=False,
         hit=np.zeros(2 * count),
@@ -231,6 +241,8 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
     found = [observe(recording, model, widest) for recording in recordings]
     if any(recording.of_points for recording in recordings):
         return found
+    if not found[0].geared and _too_noisy(found):
+        found = _quieter(recordings, model, widest) or found
     judged = _judged_rows(found, recordings)
     if sum(map(len, judged)) < LEAST_ROWS:
         with suppress(InputError):  # too short for so wide a kernel: reported as without it
@@ -240,6 +252,25 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
     if sum(map(len, judged)) < LEAST_ROWS:
         raise InputError(too_little_motion(found, judged, recordings, model))
     return found
+
+
+def _quieter(recordings: Sequence[Recording], model: Model, widest: float) -> list[Observation] | None:
+    """The recordings observed by the narrowest kernels that leave the acceleration quiet; None if none of them does."""
+    for wider in WIDER:
+        found = [observe(recording, model, widest, wider=wider) for recording in recordings]
+        if not _too_noisy(found):
+            return found
+    return None
+
+
+def _too_noisy(found: Sequence[Observation]) -> bool:
+    """Whether the noise of the acceleration makes an inertia clearly too small.
+
+    A regression finds it too small by the noise's share in the mean square of the acceleration (errors in variables).
+    """
+    whole = sum(float(o.acceleration @ o.acceleration) for o in found)
+    noise = sum(o.acceleration_noise**2 * len(o.rows) for o in found)
+    return noise > SMALL**2 * (whole - noise)
 
 
 def _judged(time: np.ndarray, period: float, whole: np.ndarray, kernel: np.ndarray) -> np.ndarray:

@@ -53,6 +53,14 @@ class TestExplained:
         f = a_fit(a_hypothesis(an_open(stock)), np.full(ROWS, left * SMALL * 0.5 / 0.01))
         assert explained(problem, f, f) == (left < 1.0 and not parts)
 
+    @pytest.mark.parametrize("reading", [0.0, 0.04])
+    def test_of_an_open_one_what_its_sensors_read_is_not_left(self, reading, stock, monkeypatch):
+        """Noise of a current that is a tenth of the torque was an unknown cause."""
+        monkeypatch.setattr(explained_module, "apart", lambda *_: False)
+        problem = sliding(a_problem(ROWS, torque=0.5, noise=0.01, reading=reading))
+        f = a_fit(a_hypothesis(an_open(stock)), np.full(ROWS, 6.0))
+        assert explained(problem, f, f) == (reading > 0.0)
+
     def test_rows_at_standstill_say_nothing_of_sliding_friction(self, stock, monkeypatch):
         monkeypatch.setattr(explained_module, "apart", lambda *_: False)
         speed = np.where(np.arange(ROWS) < 30, -0.99 * STANDSTILL, -1.01 * STANDSTILL)

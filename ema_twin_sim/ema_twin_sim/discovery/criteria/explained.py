@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cache
 
 import numpy as np
@@ -40,16 +41,25 @@ def explained(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
 
 
 def _nearly(problem: EquationErrorProblem, f: Fit) -> bool:
-    """Whether the remaining torque is small relative to the torque: the only test if no constant is known.
+    """Whether the remaining torque, beyond the sensors' noise, is small: the only test if no constant is known.
 
-    Then neither the sensors' noise nor the error of a friction law on a real machine is known beforehand. The few rows
-    in which the machine stops or breaks away are left out, because friction does not slide there.
+    Then the error of a friction law on a real machine is not known beforehand. The few rows in which the machine stops
+    or breaks away are left out, because friction does not slide there.
     """
     slides = np.concatenate(
         [o.of_points | (np.abs(o.motion[o.rows, SPEED]) >= STANDSTILL) for o in problem.observations]
     )
+    plant = f.predicted.plant
+    inertia = float(plant["motor_inertia"][0] + plant["output_inertia"][0])
+    read = np.concatenate(
+        [
+            np.full(len(o.rows), math.hypot(o.torque_reading, inertia * o.acceleration_noise))
+            for o in problem.observations
+        ]
+    )
     left = f.raw[: problem.size][slides] * problem.noise[slides]
-    return float(np.sum(left**2)) <= SMALL**2 * float(np.sum(problem.torque[slides] ** 2))
+    beyond = float(np.sum(left**2 - read[slides] ** 2))
+    return beyond <= SMALL**2 * float(np.sum(problem.torque[slides] ** 2))
 
 
 def apart(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
