@@ -7,7 +7,7 @@ import pytest
 from ema_twin_sim.criteria import DECIDED
 from ema_twin_sim.discovery.search.adding import settle, trial_of
 from ema_twin_sim.discovery.search.removing import less
-from ema_twin_sim.discovery.search.rivals import came_near, judged_against_rivals, swapped
+from ema_twin_sim.discovery.search.rivals import Rivalry, came_near, judged_against_rivals, swapped, undecided
 from ema_twin_sim.discovery.search.trace import SIMPLER, UNCERTAIN, Round, Search
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
@@ -42,6 +42,18 @@ def test_a_rival_that_holds_all_that_was_there_stands_in_for_nothing(stock):
     rival = fit(bare.problem, bare.hypothesis.with_effect("constant_load", {}, {"torque": 0.01}))
     (turn,) = swapped(Search(bare, ()), rival).rounds
     assert [trial.names for trial in turn.tried] == [("constant_load",)]
+
+
+def test_an_effect_found_twice_is_certain_as_soon_as_one_of_them_is():
+    """A slight wave beside a strong one might as well have been a load: whether the machine cogs was said to be open."""
+
+    def rivalry(effect, *others):
+        return Rivalry(effect, "", math.inf, tuple(sorted({effect, *others})), ())
+
+    slight = rivalry("cogging", "constant_load")
+    friction = rivalry("asymmetric_friction", "constant_load")
+    assert undecided([rivalry("cogging"), slight, friction]) == (friction.group,)
+    assert undecided([slight, slight, friction]) == (slight.group, friction.group)
 
 
 def searched(recordings, stock, took, other):

@@ -45,7 +45,7 @@ from .idle_effects import idle_effects, shows_over
 from .left_over import left_over_words
 from .search.adding import settle
 from .search.removing import less, significant
-from .search.rivals import Rivalry, judged_against_rivals
+from .search.rivals import Rivalry, judged_against_rivals, undecided
 from .search.search import search
 from .search.search_order import in_another_order
 from .search.trace import Round, Search
@@ -257,7 +257,7 @@ def discover(
         steps,
         MappingProxyType({name: told[name] for name in order}),
         MappingProxyType(refitted),
-        tuple(dict.fromkeys(r.group for r in rivals if len(r.group) > 1)),
+        undecided(rivals),
         depends_on,
         suggest(problem, found, rivals, recordings, excluded),
         why_ended(problem, verdict, found, depends_on, unseen),

@@ -41,6 +41,16 @@ class Rivalry:
         return replace(self, fits=tuple(as_compares(f, end.problem) for f in self.fits))
 
 
+def undecided(rivals: Iterable[Rivalry]) -> tuple[tuple[str, ...], ...]:
+    """The groups of effects that the data cannot tell apart.
+
+    An effect that was found several times is certain as soon as one of them is.
+    """
+    rivals = tuple(rivals)
+    certain = {rivalry.effect for rivalry in rivals if len(rivalry.group) == 1}
+    return tuple(dict.fromkeys(rivalry.group for rivalry in rivals if rivalry.effect not in certain))
+
+
 def judged_against_rivals(
     found: Search, without: frozenset[str] = frozenset(), *, beside_unknown: bool = False
 ) -> tuple[Search, tuple[Rivalry, ...]]:
