@@ -54,7 +54,7 @@ METHOD = {
     "identification/wandering.py": "SHARES HARDLY",
     "identification/weighting.py": "FAR INFLATED",
     "comparison/decisive_stretch.py": "_PARTS",
-    "comparison/orders.py": "_STEP ORDERS _REFINED _MOST_REFINED _POLISHED _FEWEST_CYCLES _FEWEST_SAMPLES _ENOUGH",
+    "comparison/orders.py": "_STEP ORDERS _REFINED _MOST_REFINED _POLISHED FEWEST_CYCLES FEWEST_SAMPLES _ENOUGH",
     "comparison/torque_error.py": "BAND ENDS ORDER",
     "comparison/where.py": "_BINS FEWEST _SPEED_SHARES",
     "fitting/equation_misfit.py": "LAG_NUMBER",
@@ -69,6 +69,7 @@ METHOD = {
     "discovery/criteria/episodes.py": "SHORTEST HOLES",
     "discovery/criteria/worth.py": "STRAY_ROWS FEWEST_CYCLES",
     "discovery/diagnose.py": "BLOCK DRAWS RANKED SIMULATED",
+    "discovery/differing_zeros.py": "LINES STEP FINER",
     "discovery/evidence.py": "BINS FEWEST BANDS LEAST_SHOWN SHOWN NEAR",
     "discovery/experiment/bench_limits.py": "_SLACK _SLACK_TRAVEL _LONG _NONE",
     "discovery/experiment/command_grid.py": (

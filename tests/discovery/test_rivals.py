@@ -45,7 +45,7 @@ def test_a_rival_that_holds_all_that_was_there_stands_in_for_nothing(stock):
 
 
 def test_an_effect_found_twice_is_certain_as_soon_as_one_of_them_is():
-    """A slight wave beside a strong one might as well have been a load: whether the machine cogs was said to be open."""
+    """A slight wave beside a strong one might as well have been a load: cogging itself was said to be open."""
 
     def rivalry(effect, *others):
         return Rivalry(effect, "", math.inf, tuple(sorted({effect, *others})), ())

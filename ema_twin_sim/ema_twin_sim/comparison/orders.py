@@ -19,8 +19,8 @@ ORDERS = np.arange(0.2, 160.0, _STEP)
 _REFINED = 10  # orders tried within the width of a line
 _MOST_REFINED = 201
 _POLISHED = 3  # Newton steps from the best of these
-_FEWEST_CYCLES = 3.0  # cycles in a recording that an order needs
-_FEWEST_SAMPLES = 160
+FEWEST_CYCLES = 3.0  # cycles in a recording that an order needs
+FEWEST_SAMPLES = 160
 _ENOUGH = 50_000  # samples that are enough for amplitude and phase
 
 
@@ -49,12 +49,12 @@ def find_order(
     speed: a lower order, or a constant, looks like any of them. None if no part turns far enough.
     """
     plain, flipped, samples = np.zeros_like(ORDERS), np.zeros_like(ORDERS), np.zeros_like(ORDERS)
-    used = [part for part in parts if len(part[0]) >= _FEWEST_SAMPLES]
+    used = [part for part in parts if len(part[0]) >= FEWEST_SAMPLES]
     for residual, angle, direction in used:
         counts = highest_resolved(angle) > ORDERS if resolved else np.full(len(ORDERS), True)
         samples += len(residual) * counts
-        plain += largest_in_cells(ORDERS, residual, angle, _FEWEST_CYCLES) * counts
-        flipped += largest_in_cells(ORDERS, by_pieces(np.multiply, residual, direction), angle, _FEWEST_CYCLES) * counts
+        plain += largest_in_cells(ORDERS, residual, angle, FEWEST_CYCLES) * counts
+        flipped += largest_in_cells(ORDERS, by_pieces(np.multiply, residual, direction), angle, FEWEST_CYCLES) * counts
     if not plain.any():
         return None
     dissipative = bool(flipped.max() > plain.max())
@@ -95,10 +95,10 @@ def amplitude_spectrum(parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> np.nda
 
     None if no part turns far enough.
     """
-    used = [part for part in parts if len(part[0]) >= _FEWEST_SAMPLES]
+    used = [part for part in parts if len(part[0]) >= FEWEST_SAMPLES]
     power = np.zeros_like(ORDERS)
     for residual, angle in used:
-        power += largest_in_cells(ORDERS, residual, angle, _FEWEST_CYCLES)
+        power += largest_in_cells(ORDERS, residual, angle, FEWEST_CYCLES)
     return _amplitudes(power, sum(len(residual) for residual, _ in used)) if power.any() else None
 
 

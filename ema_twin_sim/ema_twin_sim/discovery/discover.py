@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
@@ -36,6 +36,7 @@ from .assumed_torque import of_assumed_torque
 from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants
 from .criteria.contradictions import contradictions
 from .criteria.explained import explained
+from .differing_zeros import differing_zeros, of_differing_zeros, with_zeros_moved
 from .ending import why_ended
 from .errors_beside_curves import errors_beside_curves
 from .experiment.doubts import reverses
@@ -154,16 +155,11 @@ def discover(
     """
     progress("reading the motion")
     given, given_recordings = model, recordings
-    measured = as_measured(recordings, model)
-    noise = noise_of(measured, model)
-    rotary, began = to_rotary_equivalent(measured, model)
-    rotary = operating_point_folds(rotary, began)
-    recordings, model = to_own_units(measured, model)
-    recordings, awake = operating_point_folds(recordings, model), model
-    model = with_output_held(at_rest(model, recordings), recordings)
-    refuse_inconsistent(recordings, model)
-    problem = EquationErrorProblem([with_switching_ripple(o, model) for o in observe_all(list(recordings), model)])
-    null = with_assumed_constant_free(null_hypothesis(model, by_torque=problem.size > 0), recordings)
+    read = _read(recordings, given)
+    if zeros := differing_zeros(fit(read.problem, read.null)):
+        given_recordings = with_zeros_moved(recordings, zeros, read.model)
+        read = _read(given_recordings, given)
+    noise, rotary, began, recordings, awake, model, problem, null = read
     excluded = excluded_effects(recordings, model, without)
     found, known = _searched(problem, null, excluded, progress)
     found = with_factor_as_constant(found, recordings)
@@ -264,6 +260,7 @@ def discover(
         (
             *misread,
             *(warning for recording in recordings for warning in recording.warnings),
+            *of_differing_zeros(zeros, model),
             *of_assumed_torque(given_recordings, given),
             *contradictions(problem, best),
             *far_off(best),
@@ -287,6 +284,32 @@ def discover(
         "" if known else left_over_words(problem, found, depends_on),
         misread,
     )
+
+
+class _Read(NamedTuple):
+    """What a discovery works on: recordings and model for the judge, in SI, and those in the machine's own units."""
+
+    noise: NoiseFloor
+    rotary: list[Recording]
+    began: Model
+    recordings: list[Recording]
+    awake: Model  # with the effects that these recordings do not show
+    model: Model
+    problem: EquationErrorProblem
+    null: Hypothesis
+
+
+def _read(recordings: Sequence[Recording], given: Model) -> _Read:
+    measured = as_measured(recordings, given)
+    rotary, began = to_rotary_equivalent(measured, given)
+    own, awake = to_own_units(measured, given)
+    own = operating_point_folds(own, awake)
+    model = with_output_held(at_rest(awake, own), own)
+    refuse_inconsistent(own, model)
+    problem = EquationErrorProblem([with_switching_ripple(o, model) for o in observe_all(list(own), model)])
+    null = with_assumed_constant_free(null_hypothesis(model, by_torque=problem.size > 0), own)
+    noise = noise_of(measured, given)
+    return _Read(noise, operating_point_folds(rotary, began), began, own, awake, model, problem, null)
 
 
 def excluded_effects(recordings: Sequence[Recording], model: Model, without: Sequence[str]) -> frozenset[str]:

@@ -1,0 +1,94 @@
+"""Recordings of a counter that starts anew: the zeros are moved to one, and what repeats is found in all of them."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.recording import Recording
+from ema_twin_sim.discovery.differing_zeros import differing_zeros, of_differing_zeros, with_zeros_moved
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.identification.equation import EquationErrorProblem
+from ema_twin_sim.identification.fit import fit
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
+from ema_twin_sim.measured.observe import observe_all
+from ema_twin_sim.model import load_model
+
+PERIOD, SECONDS = 2e-3, 12.0
+INERTIA, VISCOUS, DRY = 2e-4, 4e-4, 0.02
+WAVES = ((7, 0.025, 0.3), (12, 0.006, 1.0))  # order, N m, rad
+NOISE = 2e-3  # A, at 1 N m/A
+
+
+def turning(name, zero, rate, waves=WAVES, seconds=SECONDS):
+    """A motor that turns to and fro; its counter reads 0 where its angle is ``zero`` [rad]."""
+    random = np.random.default_rng(ord(name))
+    time = np.arange(round(seconds / PERIOD)) * PERIOD
+    fast = 2.0 * math.pi * rate
+    angle = 12.0 * np.sin(fast * time) + zero
+    speed, acceleration = 12.0 * fast * np.cos(fast * time), -12.0 * fast**2 * np.sin(fast * time)
+    torque = INERTIA * acceleration + VISCOUS * speed + DRY * np.sign(speed)
+    torque += sum(size * np.sin(order * angle + phase) for order, size, phase in waves)
+    signals = {
+        "current": torque + NOISE * random.standard_normal(len(time)),
+        "speed": speed + 1e-3 * random.standard_normal(len(time)),
+        "motor_position": angle - zero,
+    }
+    return Recording(name, (time * 1e9).astype(np.int64), signals, motor_angle_origin=0.0)
+
+
+@pytest.fixture(scope="module")
+def motor():
+    model = load_model("laas_motor").with_value("machine.torque_constant", 1.0)
+    model = model.with_value("sensors.current_noise", NOISE).with_value("sensors.sample_period", PERIOD)
+    model = model.with_value("sensors.speed_noise", 1e-3)
+    model = model.with_effect("coulomb_friction", {"torque": 0.1})
+    model = model.with_effect("viscous_friction", {"coefficient": 0.01})
+    return replace(model, effects={name: replace(held, open=True) for name, held in model.effects.items()})
+
+
+def fitted(recordings, motor):
+    problem = EquationErrorProblem(observe_all(recordings, motor))
+    return fit(problem, null_hypothesis(motor))
+
+
+ZEROS = {"a": 0.0, "b": 0.0, "c": 0.9, "d": -1.7}
+
+
+def anew(waves=WAVES, zeros=ZEROS):
+    return [turning(name, zero, 0.1 + 0.02 * k, waves) for k, (name, zero) in enumerate(zeros.items())]
+
+
+def test_the_angles_between_the_zeros_are_found(motor):
+    """Twelve waves a turn tell by how many cycles of the seven it was."""
+    by = differing_zeros(fitted(anew(), motor))
+    apart = {name: by.get(name, 0.0) - by.get("a", 0.0) for name in ZEROS}
+    assert apart == pytest.approx(ZEROS, abs=0.02)
+    moved = with_zeros_moved(anew(), by, motor)
+    assert not differing_zeros(fitted(moved, motor))
+    (warning,) = of_differing_zeros(by, motor)
+    assert all(f"rad for {name}" in warning for name in by) and "add to the positions" in warning
+
+
+def test_nothing_is_moved_where_the_zeros_agree_or_nothing_repeats(motor):
+    together = dict.fromkeys(ZEROS, 0.4)
+    assert not differing_zeros(fitted(anew(zeros=together), motor))
+    assert not differing_zeros(fitted(anew(waves=()), motor))
+    assert not differing_zeros(fitted(anew()[:1], motor))
+    assert not of_differing_zeros({}, motor)
+
+
+@pytest.mark.slow
+def test_what_repeats_is_found_in_all_recordings(motor):
+    """Only a slighter wave was found, or none, and more recordings made it worse."""
+    found = discover(anew(), motor)
+    assert found.added == ("cogging",)
+    sizes = {
+        model.options["order"]: model.parameters["torque"]
+        for model in found.model.active.values()
+        if "order" in model.options
+    }
+    assert sizes == pytest.approx({str(order): size for order, size, _ in WAVES}, rel=0.1)
+    assert any("the zero of the position differs" in warning for warning in found.warnings)
+    assert found.unseen.rmse[-1] < 0.2 * found.unseen.rmse[0]
