@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 import numpy as np
 
 from ...comparison.orders import Periodicity, find_order
-from ...criteria import CORRELATION, NEARLY_ALL, NEGLIGIBLE
+from ...criteria import CONTRADICTED, CORRELATION, NEARLY_ALL, NEGLIGIBLE
 from ...effects import Trait, catalogue, the_effect
 from ...identification.candidates import Candidate, addable
 from ...identification.equation import EquationErrorProblem
@@ -75,9 +75,12 @@ def motor_order(effect: str, order: float, gear_ratio: float) -> float:
 
 
 def of_the_gears(problem: EquationErrorProblem, f: Fit) -> list[str]:
-    """The strongest of all resolved orders; none if it is unclear, or whole (then it belongs to a shaft)."""
+    """The strongest of all resolved orders; none if it is unclear, or may be whole (then it belongs to a shaft)."""
     strongest = _strongest(problem, f)
-    return [] if strongest is None or _is_whole(strongest.order) else [_as_known(strongest)]
+    if strongest is None or _is_whole(strongest.order):
+        return []
+    away = abs(strongest.order - round(strongest.order))
+    return [] if away < CONTRADICTED * math.sqrt(CORRELATION) * strongest.order_std else [_as_known(strongest)]
 
 
 def _strongest(problem: EquationErrorProblem, f: Fit) -> Periodicity | None:
