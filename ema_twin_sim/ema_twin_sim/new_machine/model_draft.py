@@ -15,7 +15,7 @@ from ema_bench_replay.recording import AT, AT_EITHER_SHAFT, Recording
 from ema_bench_replay.units import signal_unit, unit_in, units_of
 
 from ..measured.speed_lag import speed_lag
-from ..model.check_comment import ASSUMED, CHECK, REMEDIES, check_comment
+from ..model.check_comment import ASSUMED, CHECK, REMEDIES, START_VALUE, check_comment
 from ..model.constants import CONSTANTS
 from ..model.model_file import TORQUE_CONSTANT
 from ..model.roles import DRY_FRICTION, VISCOUS_FRICTION
@@ -119,7 +119,7 @@ def _inertia_lines(motion: str, inertia: float, two_sided: bool) -> list[str]:
 
     def line(name: str, value: float, comment: str) -> str:
         unit = unit_in("kg m^2", motion)
-        return f"  {name}: {{value: {value:g}, unit: {unit}, tolerance: open, source: start value}}  # {comment}"
+        return f"  {name}: {{value: {value:g}, unit: {unit}, tolerance: open, source: {START_VALUE}}}  # {comment}"
 
     if not two_sided:
         whole = "of all that moves" if motion == "linear" else "total inertia, at the motor"
