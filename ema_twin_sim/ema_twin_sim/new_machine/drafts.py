@@ -150,12 +150,14 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
             f"{columns}: read as values of the output shaft, {slow} (if one is the motor's, say so in its name, as in "
             "'motor position [rad]', and run init again)"
         )
-    elif shaft == Shaft() and unnamed and is_geared(given.gear_ratio):
-        columns = ", ".join(g.column for g in guesses.signals if g.signal in ("motor_position", "speed"))
-        assumed.append(
-            f"{columns}: read as the motor's, which turns {given.gear_ratio:g} times as fast as the output (if of the "
-            "output, say so in its name, as in 'output position [rad]', and run init again)"
-        )
+    elif is_geared(given.gear_ratio):
+        moving = ("motor_position", "speed") if shaft == Shaft() and unnamed else ()
+        read = [g.column for g in guesses.signals if g.signal in moving or _tells_the_constant(g, guesses, given)]
+        if read:
+            assumed.append(
+                f"{', '.join(read)}: read as the motor's, which turns {given.gear_ratio:g} times as fast as the output "
+                "(if of the output, say so in its name, as in 'output position [rad]', and run init again)"
+            )
     model = checked_model([_without(recording, magnitudes) for recording in recordings], given, shaft, source)
     if drives and not turned_drive:
         signs = _signs_of_drive(recordings, model)
@@ -277,6 +279,12 @@ def _turns_back(recordings: Sequence[Recording]) -> bool:
     """Whether the output turns against the motor in each recording that shows their ratio; False if none shows it."""
     shown = [ratio for ratio in map(ratio_of_positions, recordings) if ratio is not None]
     return bool(shown) and max(shown) < 0.0
+
+
+def _tells_the_constant(guess: Guess, guesses: Guesses, given: Given) -> bool:
+    """Whether a column is a torque beside a current, of unnamed shaft: the torque constant may come from it."""
+    beside = given.torque_constant is None and any(other.signal == "current" for other in guesses.signals)
+    return guess.signal == "motor_torque" and beside and not (guess.of_motor or guess.of_output)
 
 
 def _all_turned(guesses: Guesses, signals: Sequence[str]) -> tuple[Guess, ...]:
