@@ -23,6 +23,7 @@ from ..listing import first_of
 from ..measured.drive_regression import sign_of_drive
 from ..measured.load_sensor import falls_with_load, follows_load, times_current
 from ..measured.scales import to_own_units
+from ..measured.sign_by_friction import sign_by_friction
 from ..measured.way_by_speed import standing_position
 from ..model import load_model
 from ..model.constants import CONSTANTS
@@ -299,7 +300,7 @@ def _signs_of_drive(recordings: Sequence[Recording], model: ModelDraft) -> list[
         place.write_text(model.text)
         try:
             own, its_model = to_own_units(recordings, load_model(place))
-            return [sign_of_drive(recording, its_model) for recording in own]
+            return [sign_of_drive(each, its_model) or sign_by_friction(each, its_model) for each in own]
         except InputError:  # whatever needs the motion will report this
             return [0] * len(recordings)
 
