@@ -86,6 +86,8 @@ def _units(names, told):
         ("time", "pos_estimate", "vel_estimate", "Iq_measured"),
         ("t", "axis0.encoder.pos_estimate", "axis0.encoder.vel_estimate", "axis0.motor.current_control.Iq_measured"),
         ("timestamp", "position", "velocity", "q_current"),
+        ("time", "ODrive 2 Position", "ODrive 2 Velocity", "ODrive 2 Current"),
+        ("time", "odrive0_pos", "odrive0_vel", "odrive0_iq"),
     ],
 )
 def test_a_drives_log_that_tells_turns_is_read_so_and_said(names):
@@ -98,6 +100,22 @@ def test_a_drives_log_that_tells_turns_is_read_so_and_said(names):
     named = (names[0], f"{names[1]} [deg]", f"{names[2]} [deg/s]", names[3])
     units, _ = _units(named, (time, np.degrees(angle), np.degrees(speed), np.cos(time)))
     assert (units["motor_position"], units["speed"]) == ("deg", "deg/s")
+
+
+def test_a_name_that_says_the_drive_says_nothing_of_other_columns():
+    time, speed, angle = _swing()
+    names = ("time", "shaft angle", "ODrive speed", "ODrive current")
+    units, _ = _units(names, (time, angle, speed / (2.0 * math.pi), np.cos(time)))
+    assert (units["motor_position"], units["speed"]) == ("rad", "rev/s")
+
+
+@pytest.mark.parametrize("drive", ["ODrive 2", "axis 2", "Achse 2", "moteus 2"])
+def test_the_number_of_a_drive_is_no_side_of_it(drive):
+    """A 2 stands for the output elsewhere, as in `position 2`."""
+    names = ("position [rad]", "velocity [rad/s]", "current [A]")
+    guesses = guess_columns(["time [s]", *(f"{drive} {name}" for name in names)])
+    assert {guess.signal for guess in guesses.signals} == {"motor_position", "speed", "current"}
+    assert not any(guess.of_output for guess in guesses.signals)
 
 
 def test_an_old_odrives_counts_are_no_turns():

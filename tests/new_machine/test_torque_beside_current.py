@@ -62,7 +62,7 @@ def test_the_torque_is_used_and_said_if_the_current_is_not_the_motors(tmp_path, 
     assert "  motor_torque: " in drawn
     assert ("  current: " in drawn) == (kind == "motor")
     assert ("Current (A): not used: Torque (N·m) is not proportional to it" in told) == (kind != "motor")
-    assert ("torque constant 1.00 N m/A" in told) == (kind == "motor")
+    assert ("torque constant 30.0 mN m/A (torque over current" in told) == (kind == "motor")
     line = next(line for line in drawn.splitlines() if line.startswith("  motor_torque: "))
     assert ("# CHECK: used in place of the current, to which it is not proportional" in line) == (kind != "motor")
 

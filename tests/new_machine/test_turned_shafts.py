@@ -95,6 +95,27 @@ def test_the_sign_of_the_current_is_found_or_assumed(tmp_path, capsys, current, 
     assert not [*inconsistencies(own, model)]
 
 
+HOIST = 5.0 + 0.4 * np.sign(SPEED) + 0.02 * np.sin(900.0 * TIME)
+
+
+@pytest.mark.parametrize(
+    ("current", "told", "factor"),
+    [
+        (HOIST, "sign of current [A] (positive drives forwards)", 1.0),
+        (-HOIST, "current [A]: as recorded, it acts against the motion, so its sign is reversed", -1.0),
+        (5.0 + 0.02 * np.sin(900.0 * TIME), "current [A]: positive drives forwards, which the recordings do not", 1.0),
+    ],
+    ids=["as recorded", "turned", "without friction"],
+)
+def test_a_hoists_friction_tells_the_sign_though_its_load_is_twelve_times_as_large(
+    tmp_path, capsys, current, told, factor
+):
+    init(str(tmp_path / "q"), [written(tmp_path / "t.csv", ANGLE / 4.0, "output position [rad]", current=current)])
+    printed = capsys.readouterr()
+    assert told in " ".join(f"{printed.out} {printed.err}".split())
+    assert ("factor: -1" in (tmp_path / "q_map.yaml").read_text()) == (factor < 0.0)
+
+
 UNTOLD = 0.1 * np.sin(40.0 * TIME)
 
 

@@ -100,3 +100,44 @@ def test_columns_without_a_name_are_told_from_a_row_that_is_too_long(tmp_path, c
     path.write_text("t;pos;cur\n" + ROWS.replace("2,5\n", "2,5;7;8\n", 1))
     with pytest.raises(InputError, match="line 2: has 5 cells where the header has 3; remove or complete the row"):
         read_table(path)
+
+
+@pytest.mark.parametrize("cell", ["NaN", "nan", "-nan(ind)", "inf", "-Inf", "", "N/A", "null"])
+@pytest.mark.parametrize("units", ["", "s,rad,A\n"])
+@pytest.mark.parametrize("count", [1, 3])
+def test_first_rows_that_hold_only_a_time_are_rows(tmp_path, cell, units, count):
+    """A logger that starts before its drive answers: the first such row was taken for the names of the columns."""
+    before = "".join(f"{0.1 * k:.1f},{cell},{cell}\n" for k in range(count))
+    (tmp_path / "run.csv").write_text(f"time,position,current\n{units}{before}1.0,1.5,2.5\n2.0,1.6,2.5\n")
+    table = read_table(tmp_path / "run.csv", needed=lambda header: ())
+    assert [name.split(" ")[0] for name in table.header] == ["time", "position", "current"]
+    assert len(table.columns[0]) == count + 2 and np.isnan(table.columns[1][:count]).all()
+    assert table.columns[1][count:].tolist() == [1.5, 1.6]
+
+
+@pytest.mark.parametrize("first", ["NaN,NaN,NaN", "NaN,1.0,2.0", "0.0,1.0,NaN"])
+def test_a_row_whose_time_is_missing_names_no_columns_either(tmp_path, first):
+    (tmp_path / "run.csv").write_text(f"time,position,current\n{first}\n1.0,1.5,2.5\n2.0,1.6,2.5\n")
+    table = read_table(tmp_path / "run.csv", needed=lambda header: ())
+    assert table.header == ["time", "position", "current"] and len(table.columns[0]) == 3
+
+
+@pytest.mark.parametrize("above", ["", "% bench 3\n"])
+def test_without_names_such_rows_are_refused(tmp_path, above):
+    (tmp_path / "run.csv").write_text(f"{above}0.0,NaN,NaN\n0.1,NaN,NaN\n0.2,1.5,2.5\n0.3,1.6,2.5\n")
+    with pytest.raises(InputError, match="3 cells, and no line above them names as many columns"):
+        read_table(tmp_path / "run.csv")
+
+
+def test_a_gap_that_outlasts_the_lines_searched_hides_no_header(tmp_path):
+    gap = "".join(f"{k},NaN,NaN\n" for k in range(300))
+    (tmp_path / "run.csv").write_text(f"time,position,current\n{gap}300,1.5,2.5\n")
+    table = read_table(tmp_path / "run.csv", needed=lambda header: ())
+    assert table.header == ["time", "position", "current"] and len(table.columns[0]) == 301
+
+
+@pytest.mark.parametrize("between", ["", "\n", "17,,\n"])
+def test_numbers_that_a_table_program_filled_up_with_empty_cells_are_no_rows(tmp_path, between):
+    (tmp_path / "run.csv").write_text(f"2024,,\n{between}time,position,current\n1.0,1.5,2.5\n2.0,1.6,2.5\n")
+    table = read_table(tmp_path / "run.csv")
+    assert table.header == ["time", "position", "current"] and len(table.columns[0]) == 2

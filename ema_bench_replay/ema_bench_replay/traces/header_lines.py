@@ -1,7 +1,8 @@
 """Find the header of a text trace: programs write information above it, and often a row of units below it.
 
 The header is the line above the first row of numbers. Comments, blank lines and quoted texts above it are skipped, and
-so is what stands between it and the rows, unless it begins with a number, as a row that is cut does.
+so is what stands between it and the rows, unless it begins with a number, as a row that is cut does. A logger that
+starts before its drive answers writes NaN, or nothing, into its first rows: they are rows all the same.
 Where short names follow a row of units, the names above the units are the header, if each column has its own there. If
 nothing else names the columns, a comment directly above the rows with the same number of cells does, as written by
 numpy; if it holds units, and the comment above it as many names, these do.
@@ -19,6 +20,8 @@ MOST_LINES = 200
 """Lines in which the first row of numbers must be; otherwise the first line that is not a comment is the header."""
 _DELIMITERS = (";", "\t", ",")
 _NUMBER = re.compile(r"[-+]?[\d.,]*\d[\d.,]*(?:[eE][-+]?\d+)?")
+_MISSING = re.compile(r"[-+]?(?:nan(?:\(\w*\))?|inf(?:inity)?)|#?n/?a|null|none", re.IGNORECASE)
+"""What programs write for a number that they do not have: a value, and no name of a column."""
 _COMMENT = re.compile(r'[#%]|sep=|("[^"]*")?\Z', re.IGNORECASE)
 _UNIT_MARK = re.compile(r"[\[(].*[\])]|[-+\w.*·^⁻¹²]*[°%/µμΩ][-+\w./*·^⁻¹² ]*")
 _TIMES = {"s", "sec", "ms", "us", "ns", "min"}
@@ -57,9 +60,11 @@ def header_lines(block: bytes) -> HeaderLines | None:
     plain = next((k for k, (text, _) in enumerate(lines) if not _is_comment(text)), None)
     if plain is None:
         return None
-    if _is_row(lines[plain][0]) and all(_is_row(text) for text, _ in lines[plain + 1 : plain + 2] if text):
+    if _is_row(lines[plain][0]) and all(_names_nothing(text) for text, _ in lines[plain + 1 : plain + 2] if text):
         return _header_in_comment(lines, plain)
-    rows = next((k for k in range(plain + 1, len(lines)) if _is_row(lines[k][0])), None)
+    rows = _first_row(lines, plain)
+    if rows == plain:
+        return _header_in_comment(lines, plain)
     header, of_units = (plain, None) if rows is None else _above(lines, plain, rows)
     text = lines[header][0]
     if not re.search(r"[^\W\d_]", text) and _NUMBER.match(text):
@@ -76,6 +81,21 @@ def header_lines(block: bytes) -> HeaderLines | None:
             text = mark.join(cells[:width])
     last = header if rows is None or _torn_row(lines, header, rows) else rows - 1
     return HeaderLines(text, last + 1, lines[last][1])
+
+
+def _first_row(lines: list[tuple[str, int]], plain: int) -> int | None:
+    """Index of the first row from ``plain`` on; None if no line below that holds numbers.
+
+    It is the first line with numbers, or the first of those directly above it that are as wide and hold values only.
+    """
+    rows = next((k for k in range(plain + 1, len(lines)) if _is_row(lines[k][0])), None)
+    if rows is None:
+        return None
+    mark = _delimiter(lines[rows][0])
+    width = lines[rows][0].count(mark)
+    while rows > plain and lines[rows - 1][0].count(mark) == width and _names_nothing(lines[rows - 1][0]):
+        rows -= 1
+    return rows
 
 
 def _torn_row(lines: list[tuple[str, int]], header: int, rows: int) -> bool:
@@ -167,6 +187,14 @@ def _is_row(line: str) -> bool:
     cells = [_plain(cell) for cell in line.split(_delimiter(line))]
     numbers = [bool(_NUMBER.fullmatch(cell)) for cell in cells]
     return len(cells) > 1 and (numbers[0] or is_time_of_day(cells[0])) and any(numbers[1:])
+
+
+def _names_nothing(line: str) -> bool:
+    """Whether a line is a row, or would be one if its drive had answered: it begins with a value, and has no name."""
+    cells = [_plain(cell) for cell in line.split(_delimiter(line))]
+    values = [not cell or bool(_NUMBER.fullmatch(cell) or _MISSING.fullmatch(cell)) for cell in cells]
+    begins = bool(cells[0]) and (values[0] or is_time_of_day(cells[0]))
+    return _is_row(line) or (len(cells) > 1 and begins and all(values[1:]))
 
 
 def _are_units(cells: list[str]) -> bool:

@@ -244,7 +244,7 @@ def discover(
     refitted = {} if as_given or not problem.size else constants(best, errors, given)
     misread = (
         *unusual_currents(given_recordings, given),
-        *(off_by_one_factor(refitted) if model.is_open else ()),
+        *(off_by_one_factor(refitted, given) if model.is_open else ()),
     )
     return Discovery(
         verdict,

@@ -11,6 +11,7 @@ import numpy as np
 from ..criteria import CALIBRATION, CONTRADICTED, SEARCHED_UP_TO, SMALL
 from ..effects import Parameter, catalogue
 from ..model import Model
+from ..model.check_comment import START_VALUE
 from ..model.constants import CONSTANTS
 from ..model.model_file import ABSENT, TORQUE_CONSTANT
 from ..model.own_units import shown_entry, shown_options
@@ -53,13 +54,15 @@ def far_off(f: Fit) -> list[str]:
     ]
 
 
-def off_by_one_factor(constants: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> list[str]:
-    """Warning if all refitted ``constants`` are the same multiple of their file values.
+def off_by_one_factor(constants: Mapping[str, Mapping[str, Mapping[str, Any]]], given: Model) -> list[str]:
+    """Warning if all refitted ``constants`` are the same multiple of what the ``given`` model states.
 
-    A machine does not change in this way; a wrong unit of torque or current looks like this. In a drafted model, whose
-    constants nobody knew, each is off by a factor of its own. Constants that the recordings hardly determine are
-    ignored.
+    A machine does not change in this way; a wrong unit of torque or current looks like this. Constants that the
+    recordings hardly determine are ignored. A draft states none: its inertia is a start value, and so is its friction,
+    which has no source of its own to say so; that they are off by one factor is chance.
     """
+    if any(given.constants[path].source == START_VALUE for path in INERTIAS):
+        return []
     told: dict[str, float] = {}
     for held in constants.values():
         for name, entry in held.items():

@@ -60,17 +60,17 @@ def signs_of_drive(recording: Recording, model: Model) -> Iterator[int]:
         needed = np.stack([seen.acceleration, np.sign(speed), speed], axis=1)
         if len(speed) < FEWEST:
             continue
-        as_read, turned = (_least_beside(loads, needed, sign * seen.torque) for sign in (1.0, -1.0))
-        alone = _least_beside(loads, needed[:, :0], seen.torque)
+        as_read, turned = (least_beside(loads, needed, sign * seen.torque) for sign in (1.0, -1.0))
+        alone = least_beside(loads, needed[:, :0], seen.torque)
         if alone - min(as_read, turned) < SMALL**2 * float(seen.torque @ seen.torque):
             yield 0
         elif turned < PART * as_read:
-            yield 0 if _brings_energy(recording, seen) else -1
+            yield 0 if brings_energy(recording, seen) else -1
         else:
             yield int(as_read < PART * turned)
 
 
-def _brings_energy(recording: Recording, seen: Observation) -> bool:
+def brings_energy(recording: Recording, seen: Observation) -> bool:
     """Whether the drive as read brings far more energy into the machine than it takes out; False beside a load sensor,
     which may show another machine that drives this one.
     """
@@ -78,7 +78,7 @@ def _brings_energy(recording: Recording, seen: Observation) -> bool:
     return not recording.has("load_torque") and float(power.sum()) > PART * float(np.abs(power).sum())
 
 
-def _least_beside(free: np.ndarray, positive: np.ndarray, torque: np.ndarray) -> float:
+def least_beside(free: np.ndarray, positive: np.ndarray, torque: np.ndarray) -> float:
     """Least squared residual of a torque (m,), with columns (m, k) of any sign and others that must not be negative."""
     columns = np.hstack([positive, free])
     size = np.linalg.norm(columns, axis=0)

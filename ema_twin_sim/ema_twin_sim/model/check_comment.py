@@ -5,6 +5,8 @@ from __future__ import annotations
 CHECK = "CHECK"
 ASSUMED = "assumed"
 """The word by which the source of a constant says that nobody measured it."""
+START_VALUE = "start value"
+"""The source of a constant of which nothing is known yet: a fit begins there, and nobody said that it is so large."""
 REMEDIES = {
     "machine.gear_ratio": "turns of the motor per turn of the output",
     "machine.torque_constant": "take it from the motor's data sheet",

@@ -50,6 +50,8 @@ MOVED = r"^steer|^lenk|^pedal|^rudder|^aileron|^elevator$|^flaps?$|^valve"
 """What motors move: without a word for the motor beside it, an angle of such a part is not the motor's."""
 MOTOR = r"motor|rotor|antrieb|^moteur|^motore|^(mot|m|1|fast|primary|drive|input)$"
 MOTOR_ITSELF = r"motor|rotor|antrieb|^moteur|^mot$"
+NUMBERED = r"^(axis|achse|odrive|moteus)$"
+"""Words before a number that tells which of several drives it is, and neither its motor nor its output."""
 NO_SIGNAL = (
     r"error|fehler|deviat|abweich|limit|grenz|ripple|accel|^acc[xyz]?$|beschleun|vibration|status|^(mode|flags?|ddot|max|min|dc|udc|idc)$"
     r"|zwischenkreis|^bus$|supply|^(id|isd)$|offset"

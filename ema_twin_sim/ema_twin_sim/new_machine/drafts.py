@@ -23,6 +23,7 @@ from ..listing import first_of
 from ..measured.drive_regression import sign_of_drive
 from ..measured.load_sensor import falls_with_load, follows_load, times_current
 from ..measured.scales import to_own_units
+from ..measured.sign_by_friction import sign_by_friction
 from ..measured.way_by_speed import standing_position
 from ..model import load_model
 from ..model.constants import CONSTANTS
@@ -150,12 +151,14 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
             f"{columns}: read as values of the output shaft, {slow} (if one is the motor's, say so in its name, as in "
             "'motor position [rad]', and run init again)"
         )
-    elif shaft == Shaft() and unnamed and is_geared(given.gear_ratio):
-        columns = ", ".join(g.column for g in guesses.signals if g.signal in ("motor_position", "speed"))
-        assumed.append(
-            f"{columns}: read as the motor's, which turns {given.gear_ratio:g} times as fast as the output (if of the "
-            "output, say so in its name, as in 'output position [rad]', and run init again)"
-        )
+    elif is_geared(given.gear_ratio):
+        moving = ("motor_position", "speed") if shaft == Shaft() and unnamed else ()
+        read = [g.column for g in guesses.signals if g.signal in moving or _tells_the_constant(g, guesses, given)]
+        if read:
+            assumed.append(
+                f"{', '.join(read)}: read as the motor's, which turns {given.gear_ratio:g} times as fast as the output "
+                "(if of the output, say so in its name, as in 'output position [rad]', and run init again)"
+            )
     model = checked_model([_without(recording, magnitudes) for recording in recordings], given, shaft, source)
     if drives and not turned_drive:
         signs = _signs_of_drive(recordings, model)
@@ -279,6 +282,12 @@ def _turns_back(recordings: Sequence[Recording]) -> bool:
     return bool(shown) and max(shown) < 0.0
 
 
+def _tells_the_constant(guess: Guess, guesses: Guesses, given: Given) -> bool:
+    """Whether a column is a torque beside a current, of unnamed shaft: the torque constant may come from it."""
+    beside = given.torque_constant is None and any(other.signal == "current" for other in guesses.signals)
+    return guess.signal == "motor_torque" and beside and not (guess.of_motor or guess.of_output)
+
+
 def _all_turned(guesses: Guesses, signals: Sequence[str]) -> tuple[Guess, ...]:
     """All columns, those of these ``signals`` to be read with their sign reversed."""
     return tuple(replace(each, turned_round=True) if each.signal in signals else each for each in guesses.signals)
@@ -291,7 +300,7 @@ def _signs_of_drive(recordings: Sequence[Recording], model: ModelDraft) -> list[
         place.write_text(model.text)
         try:
             own, its_model = to_own_units(recordings, load_model(place))
-            return [sign_of_drive(recording, its_model) for recording in own]
+            return [sign_of_drive(each, its_model) or sign_by_friction(each, its_model) for each in own]
         except InputError:  # whatever needs the motion will report this
             return [0] * len(recordings)
 

@@ -15,9 +15,8 @@ from ema_bench_replay.recording import AT, AT_EITHER_SHAFT, Recording
 from ema_bench_replay.units import signal_unit, unit_in, units_of
 
 from ..measured.speed_lag import speed_lag
-from ..model.check_comment import ASSUMED, CHECK, REMEDIES, check_comment
+from ..model.check_comment import ASSUMED, CHECK, REMEDIES, START_VALUE, check_comment
 from ..model.constants import CONSTANTS
-from ..model.model_file import TORQUE_CONSTANT
 from ..model.roles import DRY_FRICTION, VISCOUS_FRICTION
 from ..reading_noise import beside_fast_signal, drowns, noise_of_points, polled_noise, reading_noise
 from ..simulation.behind_motor import of_encoders_alone
@@ -35,7 +34,7 @@ from .shaft import (
     whole_ratio,
 )
 from .steps import is_decimal, smallest_step
-from .torque_constant import question_about, told_at_joint
+from .torque_constant import TorqueConstant, question_about, told_at_joint, torque_constant
 from .usual_counts import usual_counts
 
 SMALLEST_STEP = "smallest step of the recording"
@@ -73,8 +72,10 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
     turns = 1.0 if ratio is None else ratio.value
     at_motor = [_at_motor(each, turns, shaft) for each in recordings]
     fastest = max(map(fastest_motion, at_motor)) if recording.has("current") else 0.0
-    at_joint = told_at_joint(given.torque_constant, turns, fastest) if motion == "rotary" else ""
-    of_motor = (given.torque_constant or 1.0) / (turns if at_joint else 1.0)
+    constant = torque_constant(given.torque_constant, at_motor)
+    told = motion == "rotary" and constant.source != ASSUMED
+    at_joint = told_at_joint(constant.value, turns, fastest) if told else ""
+    of_motor = constant.value / (turns if at_joint else 1.0)
     sensors = _sensor_lines(_at_motor(recording, turns, shaft), turns if shaft.name == "output" else 1.0)
     lines = [
         f"# First model of {given.name}. Inertia and friction are open: fit finds them, discover goes on from there.",
@@ -85,7 +86,7 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
         *([f"  motion: {motion}"] if motion != "rotary" else []),
         *_inertia_lines(motion, inertia, two_sided),
         *([] if ratio is None else [ratio.line()]),
-        *_torque_lines(recording, given.torque_constant, at_joint),
+        *_torque_lines(recording, constant, at_joint),
         *_drive_lines(at_motor, of_motor),
         "transmission: {kind: rigid}",
         *(["sensors:", *sensors] if sensors else ["sensors: {}"]),
@@ -119,7 +120,7 @@ def _inertia_lines(motion: str, inertia: float, two_sided: bool) -> list[str]:
 
     def line(name: str, value: float, comment: str) -> str:
         unit = unit_in("kg m^2", motion)
-        return f"  {name}: {{value: {value:g}, unit: {unit}, tolerance: open, source: start value}}  # {comment}"
+        return f"  {name}: {{value: {value:g}, unit: {unit}, tolerance: open, source: {START_VALUE}}}  # {comment}"
 
     if not two_sided:
         whole = "of all that moves" if motion == "linear" else "total inertia, at the motor"
@@ -221,19 +222,18 @@ def _at_motor(recording: Recording, ratio: float, shaft: Shaft) -> Recording:
     return replace(recording, signals=signals, metadata=metadata)
 
 
-def _torque_lines(recording: Recording, given: float | None, at_joint: str) -> list[str]:
+def _torque_lines(recording: Recording, constant: TorqueConstant, at_joint: str) -> list[str]:
     """The torque constant's line if there is a current; ``at_joint`` says why it must be the joint's, or is empty."""
     if not recording.has("current"):
         return []
     unit = unit_in("N m/A", recording.motion)
-    source, doubt = ("given", "") if given else (ASSUMED, REMEDIES[TORQUE_CONSTANT])
-    shaft = ""
+    source, doubt, shaft = constant.source, constant.doubt, ""
     if at_joint:
         shaft, doubt = ", shaft: output", f"{at_joint}: assumed to be the joint's, gear included"
-        source = f"given as {given:g} {unit}; {ASSUMED} to be the joint's"
-    return [
-        f"  torque_constant: {{value: {given or 1.0:g}, unit: {unit}{shaft}, source: {source}}}{check_comment(doubt)}"
-    ]
+        source = f"{source} as {constant.value:g} {unit}" if source == "given" else source
+        source += f"; {ASSUMED} to be the joint's"
+    value = f"{{value: {constant.value:.6g}, unit: {unit}{shaft}, source: {source}}}"
+    return [f"  torque_constant: {value}{check_comment(doubt)}"]
 
 
 def _drive_lines(recordings: Sequence[Recording], torque_constant: float) -> list[str]:

@@ -18,7 +18,8 @@ from .columns import Guess, Guesses
 class Product:
     """A drive that logs positions in turns and speeds in turns per second, with the column names that only it has.
 
-    All names of one of the groups must be there, each as the end of a column's name.
+    All names of one of the groups must be there, each as the end of a column's name. A column whose name says the
+    drive's is this drive's too, whatever the others are.
     """
 
     name: str
@@ -28,6 +29,10 @@ class Product:
         """Whether a header is this drive's."""
         words = [header_words(column).words for column in header]
         return any(all(any(own[-len(ends) :] == ends for own in words) for ends in group) for group in self.known_by)
+
+    def names(self, column: str) -> bool:
+        """Whether a column's name says that it is of this drive."""
+        return self.name.lower() in header_words(column).words
 
 
 IN_TURNS = (
@@ -44,12 +49,16 @@ def with_products_units(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> 
     motor.
     """
     header = [guess.column for guess in guesses.signals] + list(guesses.left)
-    product = next((product.name for product in IN_TURNS if product.wrote(header)), None)
     speeds = [np.abs(numbers[guess.column]).max() for guess in guesses.signals if guess.signal == "speed"]
-    if product is None or any(2.0 * math.pi * fastest > USUAL["speed"][1] for fastest in speeds):
+    if any(2.0 * math.pi * fastest > USUAL["speed"][1] for fastest in speeds):
         return guesses
-    doubt = f"no unit in the header; {product} logs turns"
-    return replace(guesses, signals=tuple(_in_turns(guess, doubt) for guess in guesses.signals))
+    of_all = next((product for product in IN_TURNS if product.wrote(header)), None)
+
+    def told(guess: Guess) -> Guess:
+        product = of_all or next((product for product in IN_TURNS if product.names(guess.column)), None)
+        return guess if product is None else _in_turns(guess, f"no unit in the header; {product.name} logs turns")
+
+    return replace(guesses, signals=tuple(told(guess) for guess in guesses.signals))
 
 
 def _in_turns(guess: Guess, doubt: str) -> Guess:

@@ -13,7 +13,8 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..criteria import ALL_BUT_SPIKES, CLEARLY_MORE, FAR_OUT, NEARLY_ALL, OUTLIER, SMALL
+from ..criteria import ALL_BUT_SPIKES, CLEARLY_MORE, FAR_OUT, NEARLY_ALL, SMALL
+from ..measured.robust_regression import robust_regression
 from ..measured.signal_factors import is_usual_mistake
 from ..measured.smoothing import gaussian, smooth
 from ..measured.way_by_speed import way_by_speed
@@ -37,7 +38,6 @@ _FEWEST_TO_REFINE = 400  # samples
 _SMOOTHED = 10.0  # samples
 _AT_ENDS = 40  # samples at either end that this smoothing distorts by more than half a per cent
 _ROUND = 1.0 / 3.0  # of a turn of the output, beyond which an angle error can be distinguished from a slope
-_STEPS = 20  # of a robust regression
 _MOVING = 0.3  # of the largest distance
 _FEWEST = 10
 _PIECES = 500  # of a recording, over each of which a speed is computed
@@ -160,15 +160,7 @@ def _beside_lags(recording: Recording) -> float:
     columns[:_AT_ENDS] = columns[-_AT_ENDS:] = np.nan
     whole = np.isfinite(columns).all(axis=1) & np.isfinite(motor)
     whole &= np.abs(step) > SMALL * np.nanmax(np.abs(step))
-    columns, turned, weights = columns[whole], motor[whole], np.ones(int(whole.sum()))
-    scale = np.maximum(np.abs(columns).max(axis=0), np.finfo(float).tiny)
-    for _ in range(_STEPS):
-        found = np.linalg.lstsq(columns / scale * weights[:, None], turned * weights, rcond=None)[0] / scale
-        left = turned - columns @ found
-        bulk = 1.4826 * float(np.median(np.abs(left)))
-        if bulk == 0.0:
-            break
-        weights = 1.0 / np.sqrt(1.0 + (left / (OUTLIER * bulk)) ** 2)
+    found, _ = robust_regression(columns[whole], motor[whole])
     return float(found[0])
 
 

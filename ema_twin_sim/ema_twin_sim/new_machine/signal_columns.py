@@ -26,6 +26,7 @@ from .column_words import (
     MOVED,
     NO_SIGNAL,
     NUMBER_OF_SOMETHING,
+    NUMBERED,
     OUTPUT,
     POWER_UNIT,
     SETPOINT,
@@ -67,7 +68,7 @@ def signal_column(read: HeaderWords) -> Column | None:
         return None  # a letter beside it, as of an axis X or S, is no symbol of a position
     if quantity in (None, "time", "power"):
         return None
-    words = read.words
+    words = _without_number_of_a_drive(read.words)
     axis = next((word for word in words[1:] if word in DIRECT_OR_PHASE), None) if len(words) == 2 else None
     if quantity in ("current", "voltage") and axis is not None:
         return None
@@ -76,6 +77,12 @@ def signal_column(read: HeaderWords) -> Column | None:
     moved = quantity in ("position", "speed") and _is_of_what_is_moved(words)
     shaft = "output" if has_word(words, OUTPUT) or moved else "motor" if of_motor else ""
     return Column(read, quantity, desired or has_word(words, SETPOINT), has_word(words, ACTUAL), shaft)
+
+
+def _without_number_of_a_drive(words: tuple[str, ...]) -> tuple[str, ...]:
+    """A name's words without a number that only tells which drive it is, as in ``ODrive 2 Velocity``."""
+    before = ("", *words)
+    return tuple(word for k, word in enumerate(words) if not (word.isdigit() and re.search(NUMBERED, before[k])))
 
 
 def _is_of_what_is_moved(words: Sequence[str]) -> bool:

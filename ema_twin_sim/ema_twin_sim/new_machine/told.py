@@ -14,6 +14,7 @@ from ..model.model_file import ABSENT
 from ..quantities import quantity
 from .columns import Guess, Guesses
 from .model_draft import AS_FINE_AS_NOISE, LAST_DIGIT, ONE_AMPERE_IS
+from .torque_constant import TORQUE_OVER_CURRENT
 
 _TOLD = {
     "machine.gear_ratio": "gear ratio",
@@ -35,7 +36,7 @@ _HOW = {
 def shown(model: Model, doubts: Mapping[str, str]) -> list[str]:
     """What a recording showed or the user gave, each as ``name value unit``; not what the drafts mark (``doubts``)."""
     return [
-        f"{name} {value}"
+        f"{name} {value}" + (f" ({TORQUE_OVER_CURRENT})" if model.constants[path].source == TORQUE_OVER_CURRENT else "")
         for path, name, value in _values(model)
         if model.constants[path].source != ASSUMED and path not in doubts
     ]

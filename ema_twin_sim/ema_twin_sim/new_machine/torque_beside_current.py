@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,10 +21,21 @@ from ..measured.load_sensor import falls_with_load, left_of_the_drive
 from ..reading_noise import reading_noise
 
 
-def not_proportional(recordings: Sequence[Recording]) -> float | None:
-    """The share of the torque's changes (rms) that no factor times the current and no offset explain; None if small.
+class Proportion(NamedTuple):
+    """The factor [N m/A] by which a torque changes with the current, and what it leaves of the torque's changes (rms).
 
-    Small is what both sensors' noise explains. Operating points, whose rows come in any order, tell no noise.
+    ``left`` is a share, and ``surely`` says that neither sensor's noise explains it.
+    """
+
+    factor: float
+    left: float
+    surely: bool
+
+
+def proportion(recordings: Sequence[Recording]) -> Proportion | None:
+    """How the motor's torque goes with the current, whatever its offset; None if that cannot be told.
+
+    Operating points, whose rows come in any order, tell no noise.
     """
     both = [r for r in recordings if r.has("current", "motor_torque")]
     parts = [_known(r) for r in both]
@@ -33,14 +45,23 @@ def not_proportional(recordings: Sequence[Recording]) -> float | None:
     changes = current - current.mean()
     factor = float(changes @ torque / (changes @ changes)) if changes.any() else 0.0
     left, size = float(np.std(torque - factor * current)), float(np.std(torque))
-    if left <= NEGLIGIBLE * math.sqrt(float(np.mean(torque**2))):
-        return None
     noises = [
         math.hypot(reading_noise(torque), factor * reading_noise(current))
         for (current, torque), recording in zip(parts, both, strict=True)
         if not recording.of_points
     ]
-    return left / size if left > max(SMALL * size, TOO_MUCH * max(noises, default=0.0)) else None
+    seen = left > NEGLIGIBLE * math.sqrt(float(np.mean(torque**2)))
+    surely = seen and left > max(SMALL * size, TOO_MUCH * max(noises, default=0.0))
+    return Proportion(factor, left / size if size > 0.0 else 0.0, surely)
+
+
+def not_proportional(recordings: Sequence[Recording]) -> float | None:
+    """The share of the torque's changes (rms) that no factor times the current and no offset explain; None if small.
+
+    Small is what both sensors' noise explains.
+    """
+    found = proportion(recordings)
+    return found.left if found is not None and found.surely else None
 
 
 def measured_behind(recordings: Sequence[Recording]) -> float | None:

@@ -1,16 +1,28 @@
-"""Check torque constants from data sheets by the voltage that a motor with them would induce: at which shaft they are
-given, and whether they are possible at all.
+"""A motor's torque constant: from its data sheet, or from a torque that the drive computed of the recorded current.
+
+It is checked by the voltage that a motor with it would induce: at which shaft it is given, and whether it is possible
+at all.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
 from ema_bench_replay.units import unit_in
 
-from ..criteria import TOO_MUCH
+from ..criteria import NEGLIGIBLE, SMALL, TOO_MUCH
+from ..model.check_comment import ASSUMED, REMEDIES
+from ..model.constants import CONSTANTS
+from ..model.model_file import TORQUE_CONSTANT
 from .shaft import GEARED
+from .torque_beside_current import proportion
+
+TORQUE_OVER_CURRENT = "torque over current of the recording"
+"""The source of a torque constant that two columns show."""
 
 BUS = 600.0
 """V that a motor may induce: about the DC link of a drive at a mains of 400 V, as most servo drives are (565 V,
@@ -19,12 +31,37 @@ RATED_SPEED = 1000.0 * 2.0 * math.pi / 60.0
 """rad/s, the lowest rated speed of motors behind a gear."""
 
 
-def told_at_joint(torque_constant: float | None, gear_ratio: float, motor_speed: float) -> str:
+class TorqueConstant(NamedTuple):
+    """A torque constant [N m/A, N/A], its source, and what is doubtful about it."""
+
+    value: float
+    source: str
+    doubt: str = ""
+
+
+def torque_constant(given: float | None, recordings: Sequence[Recording]) -> TorqueConstant:
+    """The torque constant: as given, else as torque over current, else 1.
+
+    The ``recordings`` are at the motor's shaft. A drive computes its torque from its current, so that both are one
+    thing in two units. Where more of the torque is left, it tells nothing.
+    """
+    if given:
+        return TorqueConstant(given, "given")
+    found, bounds = proportion(recordings), CONSTANTS[TORQUE_CONSTANT]
+    if found is None or found.left > SMALL or not bounds.lower <= abs(found.factor) <= bounds.upper:
+        return TorqueConstant(1.0, ASSUMED, REMEDIES[TORQUE_CONSTANT])
+    doubts = [f"{100.0 * found.left:.0f} % of the torque is left"] * (found.left > NEGLIGIBLE)
+    doubts += ["both have opposite signs"] * (found.factor < 0.0)
+    doubt = f"{TORQUE_OVER_CURRENT}, but {' and '.join(doubts)}: compare with the motor's data sheet" if doubts else ""
+    return TorqueConstant(abs(found.factor), TORQUE_OVER_CURRENT, doubt)
+
+
+def told_at_joint(torque_constant: float, gear_ratio: float, motor_speed: float) -> str:
     """Why a torque per ampere [N m/A] must be that of the joint, including the gear; empty if it may be the motor's.
 
     A motor with k N m/A induces k V s/rad: at ``motor_speed`` [rad/s] that would be more than any drive's bus has.
     """
-    if torque_constant is None or gear_ratio < GEARED or torque_constant * motor_speed <= BUS:
+    if gear_ratio < GEARED or torque_constant * motor_speed <= BUS:
         return ""
     return (
         f"a motor of {torque_constant:g} N m/A would induce {torque_constant * motor_speed:.0f} V at its "
