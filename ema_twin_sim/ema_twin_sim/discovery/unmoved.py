@@ -3,7 +3,7 @@
 A search frees all constants, and each ends somewhere within its standard error. Such a move says nothing about the
 machine, but with tooth contact it shifts every impact in time. So constants are put back and the rest is fitted again:
 first all constants, then those that are not known to have moved. The closed loop decides whether the result follows the
-recordings as well.
+recordings as well; of a rigid drivetrain the torque tells as much, without a simulation.
 """
 
 from __future__ import annotations
@@ -25,7 +25,11 @@ def with_unmoved_constants(loop: ClosedLoop, found: Search) -> Search:
     best = found.fit
     if best.hypothesis.base.is_open or not found.taken or {*loop.inputs} != {"setpoint"}:
         return found
-    simpler = [rest for rest in (_as_filed(best), _put_back(best)) if rest is not None]
+    put_back = _put_back(best)
+    if not best.parted:
+        as_near = put_back is not None and put_back.misfit <= (1.0 + NEGLIGIBLE) * best.misfit
+        return found.with_numbers(put_back) if put_back is not None and as_near else found
+    simpler = [_as_filed(best), *([] if put_back is None else [put_back])]
     fitted, *errors = loop.errors(f.hypothesis for f in (best, *simpler))
     least = min([fitted, *errors])
     for rest, error in zip(simpler, errors, strict=True):
@@ -49,14 +53,12 @@ def freed(found: Search, of: Search) -> Search:
     return found.with_numbers(fit(found.problem, of.fit.hypothesis.at(found.fit.hypothesis.values), 0))
 
 
-def _as_filed(best: Fit) -> Fit | None:
-    """Fit with all constants and the teeth at their file values; None without backlash or compliance.
+def _as_filed(best: Fit) -> Fit:
+    """Fit with all constants and the teeth at their file values.
 
     In a two-inertia model the errors of the constants lie along a ridge of shares that trade off against each other.
     Each constant may seem to have moved by many of its standard errors.
     """
-    if not best.parted:
-        return None
     h = best.hypothesis
     values = {free.path: free.prior[0] for free in h.free if free.prior is not None and free.path != LAG}
     with_teeth = h.holding(h.teeth_of_the_file())  # held for good: they may be stiffer than a search allows
