@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from ema_bench_replay.errors import InputError
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.time_unit import time_unit
@@ -76,3 +77,10 @@ def test_a_counter_is_taken_in_the_largest_unit_of_a_drive(step, unit):
 
 def test_milliseconds_that_jitter_about_one_are_no_seconds():
     assert time_unit(np.cumsum(np.random.default_rng(1).uniform(0.98, 1.01, 600)))[0] == "ms"
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_recording_of_one_row_is_refused_without_a_word_of_its_clock(tmp_path):
+    (tmp_path / "one.csv").write_text("time,position [rad],current [A]\n1720085517763847700,0.5,0.1\n")
+    with pytest.raises(InputError, match="has one row only"):
+        init(str(tmp_path / "m"), [str(tmp_path / "one.csv")], force=True)

@@ -29,6 +29,8 @@ def time_unit(time: np.ndarray, by_motion: str | None = None) -> tuple[str, str]
     """The unit of a ``time`` (n,), and what to check about it; ``by_motion`` is the one that its motion tells."""
     if by_motion is not None:
         return by_motion, "" if by_motion == "s" else "no unit in the header; with it, position and speed agree"
+    if len(time) < 2:
+        return "s", ""  # which is refused as a recording, with its own words
     step = float(np.median(np.diff(time)))
     longest = CONSTANTS["sensors.sample_period"].upper
     for unit, size in TIME_UNITS.items():
