@@ -83,4 +83,4 @@ def test_milliseconds_that_jitter_about_one_are_no_seconds():
 def test_a_recording_of_one_row_is_refused_without_a_word_of_its_clock(tmp_path):
     (tmp_path / "one.csv").write_text("time,position [rad],current [A]\n1720085517763847700,0.5,0.1\n")
     with pytest.raises(InputError, match="has one row only"):
-        init(str(tmp_path / "m"), [str(tmp_path / "one.csv")], force=True)
+        init(str(tmp_path / "m"), [tmp_path / "one.csv"], force=True)
