@@ -45,6 +45,19 @@ def test_beyond_it_an_effect_is_missing(stock):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("scale", [0.3, 0.07])
+def test_far_beyond_it_is_none_of_its_tolerance_however_unsure_it_is(scale, stock):
+    """The effect ends on its bound; its error is then as large as itself, and within that it was no error at all."""
+    friction = {n: replace(i, open=True) for n, i in stock.effects.items()}
+    inertia = replace(stock.constants["machine.motor_inertia"], tolerance=math.inf)
+    unknown = replace(stock, effects=friction, constants={**stock.constants, "machine.motor_inertia": inertia})
+    wrong = unknown.with_value(CONSTANT, stock.value(CONSTANT) / scale)
+    found = discover(of_a_motor(stock, 1.0), wrong)
+    assert "torque_constant_error" in found.added and found.verdict == "unknown"
+    assert found.model.value(CONSTANT) == wrong.value(CONSTANT)
+
+
+@pytest.mark.slow
 def test_without_the_sensor_nothing_tells_it(stock):
     assert discover([without_load(run) for run in of_a_motor(stock, 0.97)], stock).added != ("torque_constant_error",)
 

@@ -14,16 +14,17 @@ from dataclasses import replace
 
 from ema_bench_replay.recording import Recording
 
-from ..criteria import LIKELY
+from ..criteria import CONTRADICTED, DEPENDS, LIKELY
 from ..identification.estimates import standard_errors
 from ..identification.fit import fit
-from ..identification.hypothesis import Hypothesis
+from ..identification.hypothesis import EXACT, Hypothesis
 from ..measured.load_sensor import load_varies, torque_per_current
 from ..model import Model
 from ..model.check_comment import is_assumed
 from ..model.matching import by_torque
 from ..model.model_file import TORQUE_CONSTANT
 from ..model.roles import TORQUE_FACTOR
+from .criteria.worth import penalised_gain
 from .search.trace import Search
 
 WITHIN = "it is within the tolerance of the model's torque constant, which is refitted instead"
@@ -58,7 +59,11 @@ def with_factor_as_constant(found: Search, recordings: Sequence[Recording]) -> S
     off = abs(h.by_path[path] - 1.0) - LIKELY * standard_errors(found.problem, found.fit).get(path, 0.0)
     if off > tolerance:
         return found
-    return found.ended(fit(found.problem, h.with_factor_as_constant(name, tolerance)), WITHIN)
+    refitted = fit(found.problem, h.with_factor_as_constant(name, tolerance))
+    # beside free constants it may be too uncertain to lie beyond its tolerance, and be needed beyond it all the same
+    needed = penalised_gain(refitted, found.fit) > DEPENDS
+    beyond = abs(refitted.hypothesis.by_path[f"scale.{TORQUE_FACTOR}"] - 1.0) > CONTRADICTED * max(tolerance, EXACT)
+    return found if needed or beyond else found.ended(refitted, WITHIN)
 
 
 def with_factor_in_the_constant(model: Model, searched: Model, given: Model) -> Model:

@@ -11,7 +11,7 @@ from ..criteria import LIKELY, NEARLY_ALL, NEGLIGIBLE, SIGNIFICANT, SMALL
 from ..effects import Parameter, catalogue
 from ..model.constants import CONSTANTS
 from ..model.own_units import shown
-from ..model.roles import DRY_FRICTION, FRICTION
+from ..model.roles import DRY_FRICTION, FRICTION, TORQUE_FACTOR
 from .equation import EquationErrorProblem
 from .estimates import standard_errors
 from .fit import Fit, prior_rows
@@ -57,15 +57,18 @@ def torque_sign_reversed(problem: EquationErrorProblem, f: Fit, sure: Mapping[st
 
     Either all ended at their least, or at least one did, and one would surely be negative without bounds and none
     surely positive. What the added effects leave must be more than a small part of the torque: where gravity is nearly
-    all of it, a hand that helps outweighs friction. A filtered torque makes the inertia alone negative. ``sure`` are
-    the standard errors by path, if they are known already.
+    all of it, a hand that helps outweighs friction. A filtered torque makes the inertia alone negative. And a torque
+    constant whose error ended on its bound leaves a torque that friction would have to make good. ``sure`` are the
+    standard errors by path, if they are known already.
     """
     paths = {f"scale.{what}" for what in ("inertia", *FRICTION)}
     asked = {k: free.path for k, free in enumerate(f.hypothesis.free) if free.path in paths and free.prior is None}
     if len(asked) < 2 or not problem.size:
         return False
     ended = _ended(problem, f, standard_errors(problem, f) if sure is None else sure)
-    if "lower" not in {ended[path] for path in asked.values()}:
+    if "lower" not in {ended[path] for path in asked.values()} or any(
+        ended.get(f"effects.{name}.scale") for name, held in f.hypothesis.added.items() if held.effect == TORQUE_FACTOR
+    ):
         return False
     away = _without_bounds(f)
     certain = min(away[k] for k in asked) < -SIGNIFICANT and max(away[k] for k in asked) < LIKELY
