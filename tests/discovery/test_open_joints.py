@@ -11,7 +11,7 @@ from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.criteria.reversals import shows_where_slowest
 from ema_twin_sim.discovery.criteria.worth import has_effect_size
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.experiment.doubts import reverses
+from ema_twin_sim.discovery.experiment.doubts import moves_one_way, reverses
 from ema_twin_sim.discovery.search.found_orders import resolved
 from ema_twin_sim.identification.candidates import Candidate, candidates
 from ema_twin_sim.identification.equation import EquationErrorProblem
@@ -136,7 +136,9 @@ def test_a_motion_reverses_whatever_its_own_second_is(backward, told, second):
     motion = np.zeros((1000, SPEED + 1))
     motion[:, SPEED] = np.where(np.arange(1000) < 1000 * backward, -1.0, 1.0)
     problem = SimpleNamespace(observations=[SimpleNamespace(motion=motion, period=0.01 * second)])
-    assert reverses(problem) is told
+    assert reverses(problem) is told and moves_one_way(problem) is not told
+    motion[:, SPEED] = 0.0
+    assert not moves_one_way(problem)  # points that were held
 
 
 def test_an_inertia_that_is_open_is_not_added_to(joint, stock):

@@ -122,6 +122,12 @@ def test_points_and_motions_are_judged_apart(held, motor):
         discover([held, replace(held, name="run", metadata={})], motor)
 
 
+def test_an_error_of_points_depends_on_no_time(held, motor):
+    """A table without a clock was said to fail "at 322 to 343 s"."""
+    found = compare([held], motor).where
+    assert found and "time" not in {dependence.variable for dependence in found}
+
+
 def test_the_evidence_of_a_lone_table_is_written(held, motor, tmp_path):
     found = discover([held], motor)
     write_evidence_bag(found, [held], tmp_path / "found.mcap", force=False)

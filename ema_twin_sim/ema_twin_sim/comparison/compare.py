@@ -361,4 +361,5 @@ def stretch_of(recording: Recording, twin: Recording, residual: np.ndarray, rati
         output = divided(position, ratio)
     elif output is None:
         output = twin.signals["output_position"]
-    return Stretch(residual, speed, shifted(position, origin), output, recording.time)
+    time = np.zeros(len(recording)) if recording.of_points else recording.time  # points have an order, and no clock
+    return Stretch(residual, speed, shifted(position, origin), output, time)

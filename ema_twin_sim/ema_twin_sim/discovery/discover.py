@@ -39,7 +39,7 @@ from .criteria.explained import explained
 from .differing_zeros import differing_zeros, of_differing_zeros, with_zeros_moved
 from .ending import why_ended
 from .errors_beside_curves import errors_beside_curves
-from .experiment.doubts import reverses
+from .experiment.doubts import moves_one_way
 from .experiment.suggestion import suggest
 from .followed import with_followed_numbers
 from .idle_effects import idle_effects, shows_over
@@ -184,6 +184,7 @@ def discover(
     judge = Judge(rotary, began, noise)
     unseen = judge(found)
     kept: set[frozenset[str]] = set()
+    judged = found
     idle, gearbox = idle_effects(found, unseen, kept) if known or model.is_open else ((), False)
     while idle:
         before = {*found.fit.hypothesis.added}
@@ -203,6 +204,10 @@ def discover(
         known = (model.is_open or back) and explained(found.problem, found.fit, start)
         depends_on = () if known else depends_on or shown_over
         idle, gearbox = idle_effects(found, unseen, kept) if (known and back) or model.is_open else ((), False)
+    if found is not judged and (sure := significant(found)) is not found:  # less certain without what was removed
+        found, unseen = sure, judge(sure)
+        known = (model.is_open or known) and explained(found.problem, found.fit, start)
+        depends_on = () if known else depends_on
     if model.is_open:
         found, unseen = without_slight_laws(found, unseen, judge, rms_torque(rotary, began))
     if known and model.is_open and _leaves_torque(unseen, rms_torque(rotary, began)):
@@ -232,7 +237,6 @@ def discover(
     verdict = "unknown" if not known else "explained" if best.hypothesis.added else "none"
     rivals = tuple(rivalry.beside(best) for rivalry in rivals if rivalry.effect in best.hypothesis.effects)
     left = unseen.rmse[-1] / unseen.noise_floor if unseen.noise_floor > 0.0 else 1.0
-    points = any(o.of_points for o in problem.observations)  # operating points may be held at standstill
     errors = with_division(errors_beside_curves(problem, best), best, left)
     steps = _steps(found, unseen)
     order = _most_telling_first(best.hypothesis.added, steps)
@@ -269,7 +273,7 @@ def discover(
             *(on_bounds(problem, best, errors) if problem.size else ()),
             *without_common_zero(recordings, best.hypothesis.model().active.values()),
             *((of_open_constants(),) if problem.size and model.is_open and known and best.hypothesis.added else ()),
-            *(ONE_DIRECTION if problem.size and not points and not reverses(problem) else ()),
+            *(ONE_DIRECTION if problem.size and moves_one_way(problem) else ()),
             *(ALONE if len(recordings) == 1 else ()),
             *(() if problem.size else WITHOUT_TORQUE),
             *own_not_shown(recordings, model, without),

@@ -99,9 +99,20 @@ def doubts(
 
 def reverses(problem: EquationErrorProblem) -> bool:
     """Whether more than a negligible share of the recorded motion is in the other direction."""
+    forward, backward = _ways(problem)
+    return min(forward, backward) > NEGLIGIBLE * (forward + backward)
+
+
+def moves_one_way(problem: EquationErrorProblem) -> bool:
+    """Whether something moves, and nothing reverses; operating points may all be held at standstill."""
+    return any(_ways(problem)) and not reverses(problem)
+
+
+def _ways(problem: EquationErrorProblem) -> tuple[float, float]:
+    """How long [own s] the motor turns forwards and backwards."""
     forward = sum(float(np.sum(o.motion[:, SPEED] > STANDSTILL)) * o.period for o in problem.observations)
     backward = sum(float(np.sum(o.motion[:, SPEED] < -STANDSTILL)) * o.period for o in problem.observations)
-    return min(forward, backward) > NEGLIGIBLE * (forward + backward)
+    return forward, backward
 
 
 def _about(
