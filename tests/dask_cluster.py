@@ -44,7 +44,7 @@ def own_cluster(folder, workers=1):
     found = Cluster("", scheduler, [])
     try:
         begun = time.monotonic()
-        while not file.exists():
+        while not (file.exists() and file.stat().st_size):  # it is there before it is written
             assert time.monotonic() - begun < 120.0
             time.sleep(0.05)
         address = json.loads(file.read_text())["address"]

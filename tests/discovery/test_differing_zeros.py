@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ema_bench_replay.recording import Recording
-from ema_twin_sim.discovery.differing_zeros import differing_zeros, of_differing_zeros, with_zeros_moved
+from ema_bench_replay.recording import AT, Recording
+from ema_twin_sim.discovery.differing_zeros import as_recorded, differing_zeros, of_differing_zeros, with_zeros_moved
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
@@ -21,13 +21,13 @@ WAVES = ((7, 0.025, 0.3), (12, 0.006, 1.0))  # order, N m, rad
 NOISE = 2e-3  # A, at 1 N m/A
 
 
-def turning(name, zero, rate, waves=WAVES, seconds=SECONDS):
+def turning(name, zero, rate, waves=WAVES, seconds=SECONDS, way=12.0):
     """A motor that turns to and fro; its counter reads 0 where its angle is ``zero`` [rad]."""
     random = np.random.default_rng(ord(name))
     time = np.arange(round(seconds / PERIOD)) * PERIOD
     fast = 2.0 * math.pi * rate
-    angle = 12.0 * np.sin(fast * time) + zero
-    speed, acceleration = 12.0 * fast * np.cos(fast * time), -12.0 * fast**2 * np.sin(fast * time)
+    angle = way * np.sin(fast * time) + zero
+    speed, acceleration = way * fast * np.cos(fast * time), -way * fast**2 * np.sin(fast * time)
     torque = INERTIA * acceleration + VISCOUS * speed + DRY * np.sign(speed)
     torque += sum(size * np.sin(order * angle + phase) for order, size, phase in waves)
     signals = {
@@ -65,7 +65,7 @@ def test_the_angles_between_the_zeros_are_found(motor):
     by = differing_zeros(fitted(anew(), motor))
     apart = {name: by.get(name, 0.0) - by.get("a", 0.0) for name in ZEROS}
     assert apart == pytest.approx(ZEROS, abs=0.02)
-    moved = with_zeros_moved(anew(), by, motor)
+    moved = with_zeros_moved(anew(), as_recorded(anew(), by, motor))
     assert not differing_zeros(fitted(moved, motor))
     (warning,) = of_differing_zeros(by, motor)
     assert all(f"rad for {name}" in warning for name in by) and "add to the positions" in warning
@@ -77,6 +77,28 @@ def test_nothing_is_moved_where_the_zeros_agree_or_nothing_repeats(motor):
     assert not differing_zeros(fitted(anew(waves=()), motor))
     assert not differing_zeros(fitted(anew()[:1], motor))
     assert not of_differing_zeros({}, motor)
+
+
+@pytest.mark.parametrize("way", [0.1, 0.15, 0.25])
+def test_a_recording_in_which_nothing_repeats_tells_no_zero(way, motor):
+    """Over a part of a wave its amplitude is noise, many times the others'."""
+    given = [*anew(zeros={"a": 0.0, "b": 0.0}), turning("c", 0.0, 0.5, way=way)]
+    assert not differing_zeros(fitted(given, motor))
+
+
+def test_a_model_that_cogs_already_says_where_the_zero_is(motor):
+    """What is left of a known wave in a turned recording is another wave, which says nothing of the zero."""
+    cogs = motor.with_effect("cogging", {"torque": 0.025, "phase": 0.3}, {"order": "7"})
+    assert not differing_zeros(fitted(anew(), cogs))
+
+
+def test_positions_of_the_output_are_moved_by_the_outputs_angle(motor):
+    geared = motor.with_value("machine.gear_ratio", 50.0)
+    at_output = replace(anew()[0], metadata={f"motor_position{AT}": "output"})
+    by = as_recorded([at_output], {"a": 0.5}, geared)
+    assert by == pytest.approx({"a": 0.01})
+    (moved,) = with_zeros_moved([at_output], by)
+    assert moved.motor_angle_origin == pytest.approx(0.01)
 
 
 @pytest.mark.slow

@@ -76,6 +76,15 @@ def test_a_machine_that_does_not_accelerate_keeps_its_kernels(motor):
     assert [len(o.kernel) for o in observe_all(steady, model)] == [len(observe(one, model).kernel) for one in steady]
 
 
+def test_a_recording_too_short_for_wide_kernels_keeps_the_usual_ones(motor):
+    """It was refused as too short, which it was not before."""
+    model = motor.with_value("sensors.speed_noise", 0.6)
+    first, *others = recordings(0.6)
+    signals = {name: values[:500] for name, values in first.signals.items()}
+    short = replace(first, name="short", stamps=first.stamps[:500], signals=signals)
+    assert [o.name for o in observe_all([short, *others], model)] == ["short", *(one.name for one in others)]
+
+
 def _steady(one):
     """A speed of 300 rad/s with a noise of 0.6 rad/s, in the direction of a recording."""
     noise = 0.6 * np.random.default_rng(5).standard_normal(len(one))

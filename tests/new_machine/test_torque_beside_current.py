@@ -5,7 +5,7 @@ import pytest
 
 from ema_bench_replay.recording import POINTS, Recording
 from ema_twin_sim.commands.init import run as init
-from ema_twin_sim.new_machine.torque_beside_current import counts_against, measured_behind, not_proportional
+from ema_twin_sim.new_machine.torque_beside_current import counts_against, measured_behind, not_proportional, proportion
 from tests.trace_text import write_columns
 
 TIME = np.arange(3000) * 5e-3
@@ -245,3 +245,10 @@ def test_a_second_reading_of_the_motors_torque_is_no_load(tmp_path, capsys):
     drawn = beside_its_estimate(tmp_path, noisy(torque, 0.01))
     assert "load_torque" not in drawn
     assert "shaft torque [Nm]: not used" not in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize(("current", "torque"), [(0.3, 0.25), (0.7, 1.0)])
+def test_what_does_not_change_tells_no_factor(current, torque):
+    """The mean of equal numbers is rounded: 4.5e15 N m/A was a perfect fit."""
+    signals = {"current": np.full(1001, current), "motor_torque": np.full(1001, torque)}
+    assert proportion([Recording("r", np.arange(1001) * 5_000_000, signals)]) is None

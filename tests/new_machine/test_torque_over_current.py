@@ -46,7 +46,7 @@ def test_readings_that_are_not_of_one_moment_leave_it_to_be_checked(tmp_path, ca
     held = drafted(tmp_path, torque).constants[TORQUE_CONSTANT]
     assert held.value == pytest.approx(CONSTANT, rel=0.01) and held.source == TORQUE_OVER_CURRENT
     line = next(line for line in (tmp_path / "m.yaml").read_text().splitlines() if "torque_constant" in line)
-    assert line.endswith("but 3 % of the torque is left: compare with the motor's data sheet")
+    assert line.endswith("but 3 % of the torque's changes is left: compare with the motor's data sheet")
     assert "torque constant 2.5" in capsys.readouterr().out.partition("Assumed:")[2]
 
 

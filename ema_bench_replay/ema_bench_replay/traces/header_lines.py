@@ -2,7 +2,7 @@
 
 The header is the line above the first row of numbers. Comments, blank lines and quoted texts above it are skipped, and
 so is what stands between it and the rows, unless it begins with a number, as a row that is cut does. A logger that
-starts before its drive answers writes NaN, or nothing, into its first rows: they are rows all the same.
+starts before its drive answers writes NaN, or nothing, beside the time of its first rows: they are rows all the same.
 Where short names follow a row of units, the names above the units are the header, if each column has its own there. If
 nothing else names the columns, a comment directly above the rows with the same number of cells does, as written by
 numpy; if it holds units, and the comment above it as many names, these do.

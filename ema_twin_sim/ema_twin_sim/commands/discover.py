@@ -70,17 +70,17 @@ def run(
         save_model(found.model, output, force=force)
         if evidence is not None:
             progress("writing the evidence")
-            write_evidence_bag(found, given.recordings, evidence, force=force)
+            write_evidence_bag(found, found.given, evidence, force=force)
         both, labels, findings = (given.model, found.model), (model, output), None
         if report is not None or rrd is not None:
             progress("computing probabilities")
             findings = weighed(found)
         if report is not None:
             progress("writing the report")
-            write_page(report, given.recordings, both, labels, findings, force=force)
+            write_page(report, found.given, both, labels, findings, force=force)
         if rrd is not None:
             progress("writing the views")
-            tabs = write_rrd(rrd, given.recordings, both, labels, findings, force=force)
+            tabs = write_rrd(rrd, found.given, both, labels, findings, force=force)
     warn_of(found.misread, given.recordings)
     show_search(found, given.without)
     show_doubts(found.groups, found.next_recording, found.model.motion)

@@ -108,7 +108,7 @@ def run(
     findings, undiagnosed = (read_findings(discovery), "") if discovery else (None, "")
     with status() as progress:
         if discovery is None:
-            findings, undiagnosed = _searched(recordings, models[0], progress)
+            findings, undiagnosed, recordings = _searched(recordings, models[0], progress)
         progress("comparing the models, and writing the page")
         told = write_page(
             output,
@@ -129,14 +129,14 @@ def run(
 
 
 def _searched(
-    recordings: Sequence[Recording], model: Model, progress: Callable[[str], None]
-) -> tuple[Findings | None, str]:
-    """Findings of a search on the recordings; or None, and the reason why they cannot be judged."""
+    recordings: list[Recording], model: Model, progress: Callable[[str], None]
+) -> tuple[Findings | None, str, list[Recording]]:
+    """Findings of a search, and the recordings as it took them; or None, and the reason why they cannot be judged."""
     from ..discovery.discover import discover
 
     try:
         found = discover(recordings, model, progress=progress)
     except InputError as refused:
-        return None, f"no diagnosis: {refused}"
+        return None, f"no diagnosis: {refused}", recordings
     progress("computing probabilities")
-    return weighed(found), ""
+    return weighed(found), "", list(found.given)

@@ -13,10 +13,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ema_bench_replay.recording import Recording
+from ema_bench_replay.recording import AT, Recording
 
 from ..comparison.orders import FEWEST_CYCLES, FEWEST_SAMPLES, ORDERS
 from ..criteria import CORRELATION, DEPENDS, NEGLIGIBLE, SMALL
+from ..effects import catalogue
 from ..identification.fit import Fit
 from ..listing import listed
 from ..measured.order_spectrum import largest_in_cells, refined
@@ -24,6 +25,7 @@ from ..model import Model
 from ..model.own_units import is_linear, shown
 from ..plant.measured_motion import MOTOR_ANGLE
 from ..quantities import quantity
+from ..simulation.angle_origins import acts_at_an_angle
 
 LINES = 4  # most lines of the order spectrum that are used
 STEP = ORDERS[1] - ORDERS[0]
@@ -32,10 +34,14 @@ FINER = 20  # angles tried within a cycle of the highest of them
 
 @dataclass(frozen=True, eq=False)
 class _Line:
-    """One order, with the wave (R,) [complex, in units of noise] of each recording at it."""
+    """One order, with the wave (R,) [complex, in units of noise] of each recording at it, and its rows (R,).
+
+    Both are zero for a recording in which it does not repeat.
+    """
 
     order: float
     waves: np.ndarray
+    rows: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,11 +55,13 @@ class _Part:
 def differing_zeros(f: Fit) -> dict[str, float]:
     """Angle [rad] to add to the motor's position, by recording; those that need none are left out.
 
-    ``f`` is a fit without waves. Empty if the zeros agree, or if nothing tells that they do not: with an encoder on the
-    output as well, and for operating points.
+    Empty if the zeros agree, or if nothing tells that they do not: with an encoder on the output as well, for operating
+    points, and for a model that has an effect at an angle already, which says where the zero is.
     """
     problem, base = f.problem, f.hypothesis.base
     if not base.other_orders or problem.rows > problem.size or len(problem.observations) < 2:
+        return {}
+    if any(acts_at_an_angle(catalogue()[instance.effect]) for instance in base.active.values()):
         return {}
     parts, names = [], []
     for o, rows in zip(problem.observations, problem.torque_parts, strict=True):
@@ -66,32 +74,41 @@ def differing_zeros(f: Fit) -> dict[str, float]:
     lines, noise = _lines(parts)
     if not lines:
         return {}
-    weights = np.array([len(part.left) for part in parts])
     most = 2.0 * math.pi / min(line.order for line in lines)  # a cycle of the longest wave
-    shifts = _shifts(lines, noise, weights, most if is_linear(base) else max(most, math.pi))
-    if not _clearly_better(lines, noise, weights, shifts):
+    shifts = _shifts(lines, noise, most if is_linear(base) else max(most, math.pi))
+    if not _clearly_better(lines, noise, shifts):
         return {}
     return {name: float(shift) for name, shift in zip(names, shifts, strict=True) if shift}
 
 
-def with_zeros_moved(recordings: Sequence[Recording], by: Mapping[str, float], model: Model) -> list[Recording]:
-    """The recordings (SI) with the zeros of their positions moved ``by`` angles [rad]; ``model`` is in own units."""
-    per, _ = shown(model, 1.0, "rad")
+def as_recorded(recordings: Sequence[Recording], by: Mapping[str, float], model: Model) -> dict[str, float]:
+    """The angles ``by`` [rad, motor] in the unit and at the shaft of these recordings' positions, by recording.
+
+    ``model`` is in own units.
+    """
+    ratio, per = model.value("machine.gear_ratio"), shown(model, 1.0, "rad")[0]
+    told = {r.name: per / ratio if f"motor_position{AT}" in r.metadata else per for r in recordings}
+    return {name: told[name] * angle for name, angle in by.items()}
+
+
+def with_zeros_moved(recordings: Sequence[Recording], by: Mapping[str, float]) -> list[Recording]:
+    """The recordings with the zeros of their positions moved ``by`` so much, as their positions were recorded."""
     moved = []
     for recording in recordings:
         if recording.name in by:
             at = recording.motor_angle_origin
-            here = per * by[recording.name] + (0.0 if math.isnan(at) else at)
+            here = by[recording.name] + (0.0 if math.isnan(at) else at)
             recording = replace(recording, motor_angle_origin=here)
         moved.append(recording)
     return moved
 
 
 def of_differing_zeros(by: Mapping[str, float], model: Model) -> tuple[str, ...]:
-    """Warning that tells ``by`` what angles [rad] the zeros were moved; none if none was. ``model`` in own units."""
+    """Warning that tells ``by`` how much the zeros were moved; none if none was. The ``model`` is in own units."""
     if not by:
         return ()
-    each = listed(f"{quantity(*shown(model, angle, 'rad'))} for {name}" for name, angle in by.items())
+    _, unit = shown(model, 1.0, "rad")
+    each = listed(f"{quantity(way, unit)} for {name}" for name, way in by.items())
     return (
         "the zero of the position differs between recordings: what repeats along it begins elsewhere. discover moved "
         f"the zeros to one; before you compare, add to the positions {each}",
@@ -111,37 +128,41 @@ def _lines(parts: Sequence[_Part]) -> tuple[list[_Line], np.ndarray]:
         if not len(background) or power[strongest] < np.median(background) / SMALL:
             break
         order = refined(float(ORDERS[strongest]), float(STEP), of)
-        waves = np.empty(len(of), complex)
+        waves, rows = np.zeros(len(of), complex), np.zeros(len(of))
         for k, (values, angle) in enumerate(of):
+            if order * float(np.ptp(angle)) < 2.0 * math.pi * FEWEST_CYCLES:
+                continue
             columns = np.column_stack([np.cos(order * angle), np.sin(order * angle), np.ones(len(angle))])
             found = np.linalg.lstsq(columns, values, rcond=None)[0]
             waves[k] = complex(found[0], -found[1])  # of the exponential of order * angle
-            left[k] = values - columns @ found
-        lines.append(_Line(order, waves))
+            left[k], rows[k] = values - columns @ found, len(values)
+        lines.append(_Line(order, waves, rows))
     return lines, np.array([float(values.var()) for values in left])
 
 
-def _shifts(lines: Sequence[_Line], noise: np.ndarray, weights: np.ndarray, most: float) -> np.ndarray:
+def _shifts(lines: Sequence[_Line], noise: np.ndarray, most: float) -> np.ndarray:
     """The shift (R,) [rad] of each recording at which its waves begin where those of the others do; 0 where unsure.
 
     Recordings are taken one after the other, the clearest first; each is compared with all before it. The smallest of
     the shifts that are nearly equally good is taken, and none where that is as good.
     """
-    clear = weights * sum(np.abs(line.waves) ** 2 for line in lines) / noise
+    clear = np.sum([line.rows * np.abs(line.waves) ** 2 for line in lines], axis=0) / noise
     order = np.argsort(-clear)
     highest = max(line.order for line in lines)
     half = math.ceil(FINER * most * highest / (2.0 * math.pi))
     tried = most * np.arange(-half, half + 1) / half
     tried = tried[np.argsort(np.abs(tried), kind="stable")]
-    shifts = np.zeros(len(weights))
-    sums, held = [weights[order[0]] * line.waves[order[0]] for line in lines], weights[order[0]]
+    shifts = np.zeros(len(noise))
+    sums = [line.rows[order[0]] * line.waves[order[0]] for line in lines]
+    held = [max(line.rows[order[0]], 1.0) for line in lines]
     for k in order[1:]:
         if clear[k] < DEPENDS * CORRELATION:
             continue
-        score = sum(  # how much less of its rows' squares the waves of those before leave, in units of noise
-            (weights[k] / noise[k] / held) * np.real(line.waves[k] * np.conj(total) * np.exp(-1j * line.order * tried))
-            for line, total in zip(lines, sums, strict=True)
-        )
+        # how much less of its rows' squares the mean waves of those before leave, in units of noise
+        score = np.zeros(len(tried))
+        for line, total, rows in zip(lines, sums, held, strict=True):
+            turned = line.waves[k] * np.conj(total / rows) * np.exp(-1j * line.order * tried)
+            score += line.rows[k] / noise[k] * np.real(turned)
         least = score.max() - max(DEPENDS * CORRELATION, NEGLIGIBLE * score.max())
         best = tried[int(np.argmax(score >= least))]
         if best:  # the top of the hill whose flank that is
@@ -149,19 +170,19 @@ def _shifts(lines: Sequence[_Line], noise: np.ndarray, weights: np.ndarray, most
             best = tried[hill][int(np.argmax(score[hill]))]
         shifts[k] = best
         for j, line in enumerate(lines):
-            sums[j] += weights[k] * line.waves[k] * np.exp(-1j * line.order * best)
-        held += weights[k]
+            sums[j] += line.rows[k] * line.waves[k] * np.exp(-1j * line.order * best)
+            held[j] += line.rows[k]
     return shifts
 
 
-def _clearly_better(lines: Sequence[_Line], noise: np.ndarray, weights: np.ndarray, shifts: np.ndarray) -> bool:
+def _clearly_better(lines: Sequence[_Line], noise: np.ndarray, shifts: np.ndarray) -> bool:
     """Whether common waves explain much more with the ``shifts`` (R,) [rad] than without, chance left aside."""
 
     def explained(by: np.ndarray) -> float:
         total = 0.0
         for line in lines:
-            waves = line.waves * np.exp(-1j * line.order * by)
-            total += 0.5 * abs(np.sum(weights / noise * waves)) ** 2 / float(np.sum(weights / noise))
+            waves, sure = line.waves * np.exp(-1j * line.order * by), line.rows / noise
+            total += 0.5 * abs(np.sum(sure * waves)) ** 2 / max(float(np.sum(sure)), 1.0)
         return total / CORRELATION
 
     before, after = explained(np.zeros(len(shifts))), explained(shifts)

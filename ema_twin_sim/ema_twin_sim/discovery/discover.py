@@ -36,7 +36,7 @@ from .assumed_torque import of_assumed_torque
 from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants
 from .criteria.contradictions import contradictions
 from .criteria.explained import explained
-from .differing_zeros import differing_zeros, of_differing_zeros, with_zeros_moved
+from .differing_zeros import as_recorded, differing_zeros, of_differing_zeros, with_zeros_moved
 from .ending import why_ended
 from .errors_beside_curves import errors_beside_curves
 from .experiment.doubts import moves_one_way
@@ -109,6 +109,7 @@ class Discovery:
     equation: EquationErrorProblem
     rivalries: tuple[Rivalry, ...]
     recordings: tuple[Recording, ...]  # as judged on unseen data: resampled, in SI
+    given: tuple[Recording, ...]  # as they were given, with the zeros of their positions moved to one
     noise: NoiseFloor  # of the recordings, SI; the reference for every statement about them
     input: str  # input of the twins
     left: Signals  # errors of the model that was found, as ``compare`` reports them
@@ -156,8 +157,9 @@ def discover(
     progress("reading the motion")
     given, given_recordings = model, recordings
     read = _read(recordings, given)
-    if zeros := differing_zeros(fit(read.problem, read.null)):
-        given_recordings = with_zeros_moved(recordings, zeros, read.model)
+    zeros = as_recorded(recordings, differing_zeros(fit(read.problem, read.null)), read.model)
+    if zeros:
+        given_recordings = with_zeros_moved(recordings, zeros)
         read = _read(given_recordings, given)
     noise, rotary, began, recordings, awake, model, problem, null = read
     excluded = excluded_effects(recordings, model, without)
@@ -283,6 +285,7 @@ def discover(
         problem,
         rivals,
         tuple(rotary),
+        tuple(given_recordings),
         noise,
         *_left(given_recordings, end, noise),
         "" if known else left_over_words(problem, found, depends_on),

@@ -34,7 +34,7 @@ class Observation:
     acceleration: np.ndarray  # (m,) rad/s2, smoothed by the same kernel
     acceleration_noise: float  # rad/s2, what the sensor's noise leaves in it
     torque_noise: np.ndarray  # (m,)
-    torque_reading: float  # N m, the part of it that the model says its current sensor leaves
+    torque_reading: float  # N m, the part of it that its sensors leave, no more than the model says
     torque_step: float  # N m, between adjacent readings of the current
     coarse: bool  # current steps are wide relative to its noise: neighbouring rows round alike
     hit: np.ndarray  # (n,) rad/s2, largest acceleration shortly before; zero without gearing

@@ -132,7 +132,7 @@ def observe(
         acceleration=acceleration[rows],
         acceleration_noise=motion_noise,
         torque_noise=noise[rows],
-        torque_reading=constant * model.value("sensors.current_noise") * float(np.linalg.norm(kernel)),
+        torque_reading=min(white, constant * model.value("sensors.current_noise") * float(np.linalg.norm(kernel))),
         torque_step=constant * smallest_step(raw),
         coarse=rounding_noise(raw, model, reading_noise(signals["current"])) > 0.0,
         hit=hit,
@@ -255,9 +255,14 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
 
 
 def _quieter(recordings: Sequence[Recording], model: Model, widest: float) -> list[Observation] | None:
-    """The recordings observed by the narrowest kernels that leave the acceleration quiet; None if none of them does."""
+    """The recordings observed by the narrowest kernels that leave the acceleration quiet; None if none does."""
     for wider in WIDER:
-        found = [observe(recording, model, widest, wider=wider) for recording in recordings]
+        try:
+            found = [observe(recording, model, widest, wider=wider) for recording in recordings]
+        except InputError:  # one of them is too short for so wide a kernel
+            return None
+        if sum(len(o.rows) for o in found) < LEAST_ROWS:
+            return None
         if not _too_noisy(found):
             return found
     return None

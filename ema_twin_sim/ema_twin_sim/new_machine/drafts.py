@@ -20,12 +20,12 @@ from ema_bench_replay.units import unit_in
 
 from ..criteria import SMALL
 from ..listing import first_of
-from ..measured.drive_regression import sign_of_drive
+from ..measured.drive_regression import sign_of_drive, signs_of_drive
 from ..measured.load_sensor import falls_with_load, follows_load, times_current
 from ..measured.scales import to_own_units
 from ..measured.sign_by_friction import sign_by_friction
 from ..measured.way_by_speed import standing_position
-from ..model import load_model
+from ..model import Model, load_model
 from ..model.constants import CONSTANTS
 from ..quantities import quantity
 from .columns import Guess, Guesses
@@ -300,9 +300,16 @@ def _signs_of_drive(recordings: Sequence[Recording], model: ModelDraft) -> list[
         place.write_text(model.text)
         try:
             own, its_model = to_own_units(recordings, load_model(place))
-            return [sign_of_drive(each, its_model) or sign_by_friction(each, its_model) for each in own]
+            return [_sign(each, its_model) for each in own]
         except InputError:  # whatever needs the motion will report this
             return [0] * len(recordings)
+
+
+def _sign(recording: Recording, model: Model) -> int:
+    """The sign by what the drive moves; where nothing tells that, by friction alone."""
+    if not recording.of_points and any(signs_of_drive(recording, model)):
+        return sign_of_drive(recording, model)
+    return sign_by_friction(recording, model)
 
 
 def _of_the_output(guess: Guess, why: str) -> Guess:

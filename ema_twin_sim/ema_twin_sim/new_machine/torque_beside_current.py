@@ -40,10 +40,10 @@ def proportion(recordings: Sequence[Recording]) -> Proportion | None:
     both = [r for r in recordings if r.has("current", "motor_torque")]
     parts = [_known(r) for r in both]
     current, torque = np.concatenate(parts, axis=1) if parts else np.zeros((2, 0))
-    if len(torque) < FEWEST_ROWS or not current.any() or not torque.any():
+    if len(torque) < FEWEST_ROWS or not (_changes(current) and _changes(torque)):
         return None
     changes = current - current.mean()
-    factor = float(changes @ torque / (changes @ changes)) if changes.any() else 0.0
+    factor = float(changes @ torque / (changes @ changes))
     left, size = float(np.std(torque - factor * current)), float(np.std(torque))
     noises = [
         math.hypot(reading_noise(torque), factor * reading_noise(current))
@@ -52,7 +52,12 @@ def proportion(recordings: Sequence[Recording]) -> Proportion | None:
     ]
     seen = left > NEGLIGIBLE * math.sqrt(float(np.mean(torque**2)))
     surely = seen and left > max(SMALL * size, TOO_MUCH * max(noises, default=0.0))
-    return Proportion(factor, left / size if size > 0.0 else 0.0, surely)
+    return Proportion(factor, left / size, surely)
+
+
+def _changes(values: np.ndarray) -> bool:
+    """Whether values (n,) change by more than their mean is rounded."""
+    return float(np.std(values)) > math.sqrt(np.finfo(float).eps) * float(np.abs(values).max())
 
 
 def not_proportional(recordings: Sequence[Recording]) -> float | None:

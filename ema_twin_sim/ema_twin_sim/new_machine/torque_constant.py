@@ -50,7 +50,7 @@ def torque_constant(given: float | None, recordings: Sequence[Recording]) -> Tor
     found, bounds = proportion(recordings), CONSTANTS[TORQUE_CONSTANT]
     if found is None or found.left > SMALL or not bounds.lower <= abs(found.factor) <= bounds.upper:
         return TorqueConstant(1.0, ASSUMED, REMEDIES[TORQUE_CONSTANT])
-    doubts = [f"{100.0 * found.left:.0f} % of the torque is left"] * (found.left > NEGLIGIBLE)
+    doubts = [f"{100.0 * found.left:.0f} % of the torque's changes is left"] * (found.left > NEGLIGIBLE)
     doubts += ["both have opposite signs"] * (found.factor < 0.0)
     doubt = f"{TORQUE_OVER_CURRENT}, but {' and '.join(doubts)}: compare with the motor's data sheet" if doubts else ""
     return TorqueConstant(abs(found.factor), TORQUE_OVER_CURRENT, doubt)

@@ -33,7 +33,7 @@ def without_common_zero(recordings: Sequence[Recording], effects: Iterable[Effec
     found: dict[str, list[str]] = {}
     for instance in effects:
         effect = catalogue()[instance.effect]
-        if not _acts_at_an_angle(effect):
+        if not acts_at_an_angle(effect):
             continue
         of_output = effect.where(instance.options) == OUTPUT_TORQUE or effect.depends_on in _OF_THE_OUTPUT
         blind = [
@@ -58,5 +58,6 @@ _OF_THE_OUTPUT = ("output_position", "encoders")
 _NAMED = 3
 
 
-def _acts_at_an_angle(effect: Effect) -> bool:
+def acts_at_an_angle(effect: Effect) -> bool:
+    """Whether what an effect does depends on the angle itself, and so on its zero."""
     return effect.depends_on == "order" or any(parameter.periodic for parameter in effect.parameters)

@@ -51,14 +51,12 @@ def _nearly(problem: EquationErrorProblem, f: Fit) -> bool:
     )
     plant = f.predicted.plant
     inertia = float(plant["motor_inertia"][0] + plant["output_inertia"][0])
-    read = np.concatenate(
-        [
-            np.full(len(o.rows), math.hypot(o.torque_reading, inertia * o.acceleration_noise))
-            for o in problem.observations
-        ]
-    )
-    left = f.raw[: problem.size][slides] * problem.noise[slides]
-    beyond = float(np.sum(left**2 - read[slides] ** 2))
+    left = f.raw[: problem.size] * problem.noise
+    beyond = 0.0
+    for o, rows in zip(problem.observations, problem.torque_parts, strict=True):
+        here = left[rows][slides[rows]]
+        read = math.hypot(o.torque_reading, inertia * o.acceleration_noise)
+        beyond += max(float(here @ here) - read**2 * len(here), 0.0)
     return beyond <= SMALL**2 * float(np.sum(problem.torque[slides] ** 2))
 
 

@@ -75,7 +75,7 @@ def motor_order(effect: str, order: float, gear_ratio: float) -> float:
 
 
 def of_the_gears(problem: EquationErrorProblem, f: Fit) -> list[str]:
-    """The strongest of all resolved orders; none if it is unclear, or may be whole (then it belongs to a shaft)."""
+    """The strongest of all resolved orders; none if it is unclear, or not clearly other than whole (of a shaft)."""
     strongest = _strongest(problem, f)
     if strongest is None or _is_whole(strongest.order):
         return []
