@@ -157,7 +157,9 @@ def discover(
     progress("reading the motion")
     given, given_recordings = model, recordings
     read = _read(recordings, given)
-    zeros = as_recorded(recordings, differing_zeros(fit(read.problem, read.null)), read.model)
+    zeros: dict[str, float] = {}
+    if all(recording.has("motor_position") for recording in recordings):  # an integrated speed has no zero to move
+        zeros = as_recorded(recordings, differing_zeros(fit(read.problem, read.null)), read.model)
     if zeros:
         given_recordings = with_zeros_moved(recordings, zeros)
         read = _read(given_recordings, given)
