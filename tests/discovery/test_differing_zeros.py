@@ -13,7 +13,7 @@ from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.observe import observe_all
-from ema_twin_sim.model import load_model
+from tests.open_motor import open_motor
 
 PERIOD, SECONDS = 2e-3, 12.0
 INERTIA, VISCOUS, DRY = 2e-4, 4e-4, 0.02
@@ -40,12 +40,7 @@ def turning(name, zero, rate, waves=WAVES, seconds=SECONDS, way=12.0):
 
 @pytest.fixture(scope="module")
 def motor():
-    model = load_model("laas_motor").with_value("machine.torque_constant", 1.0)
-    model = model.with_value("sensors.current_noise", NOISE).with_value("sensors.sample_period", PERIOD)
-    model = model.with_value("sensors.speed_noise", 1e-3)
-    model = model.with_effect("coulomb_friction", {"torque": 0.1})
-    model = model.with_effect("viscous_friction", {"coefficient": 0.01})
-    return replace(model, effects={name: replace(held, open=True) for name, held in model.effects.items()})
+    return open_motor(1.0, NOISE, PERIOD, speed_noise=1e-3)
 
 
 def fitted(recordings, motor):

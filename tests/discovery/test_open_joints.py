@@ -1,7 +1,6 @@
 """Joints of which no constant is known, one recording each: what a law of friction leaves over is named as nothing."""
 
 import math
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -21,8 +20,8 @@ from ema_twin_sim.identification.screening import screen
 from ema_twin_sim.identification.uncertainty import covariance
 from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.measured.scales import to_own_units
-from ema_twin_sim.model import load_model
 from ema_twin_sim.plant.measured_motion import SPEED
+from tests.open_motor import open_motor
 
 NOISE = 0.02  # A
 PERIOD = 0.01  # s
@@ -31,11 +30,7 @@ DRY, VISCOUS, INERTIA, TORQUE_CONSTANT = 12.0, 25.0, 5.0, 10.0
 
 @pytest.fixture(scope="module")
 def joint():
-    model = load_model("laas_motor").with_value("machine.torque_constant", TORQUE_CONSTANT)
-    model = model.with_value("sensors.current_noise", NOISE).with_value("sensors.sample_period", PERIOD)
-    model = model.with_effect("coulomb_friction", {"torque": 10.0})
-    model = model.with_effect("viscous_friction", {"coefficient": 20.0})
-    return replace(model, effects={name: replace(held, open=True) for name, held in model.effects.items()})
+    return open_motor(TORQUE_CONSTANT, NOISE, PERIOD, coulomb=10.0, viscous=20.0)
 
 
 def moved(friction=lambda time, angle, speed: 0.0, turns=0.25, seconds=40.0, seed=1, step=0.0, sway=0.1):

@@ -8,7 +8,7 @@ import pytest
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.measured.observe import observe, observe_all
-from ema_twin_sim.model import load_model
+from tests.open_motor import open_motor
 
 PERIOD, SECONDS = 1e-3, 20.0
 CONSTANT, READING = 0.0458, 0.5  # N m/A; A, noise of the current
@@ -39,11 +39,7 @@ def recordings(speed_noise):
 
 @pytest.fixture(scope="module")
 def motor():
-    model = load_model("laas_motor").with_value("machine.torque_constant", CONSTANT)
-    model = model.with_value("sensors.current_noise", READING).with_value("sensors.sample_period", PERIOD)
-    model = model.with_effect("coulomb_friction", {"torque": 0.1})
-    model = model.with_effect("viscous_friction", {"coefficient": 0.01})
-    return replace(model, effects={name: replace(held, open=True) for name, held in model.effects.items()})
+    return open_motor(CONSTANT, READING, PERIOD)
 
 
 @pytest.mark.slow

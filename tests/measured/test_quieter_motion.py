@@ -11,6 +11,7 @@ from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.measured.quieter_motion import as_measured
 from ema_twin_sim.model import load_model
 from ema_twin_sim.model.own_units import OwnUnits, recording_in
+from tests.open_motor import open_motor
 
 PERIOD = 1e-3  # s
 COUNTS = 10_000  # per revolution
@@ -43,12 +44,7 @@ def swung(rate=3.0, seconds=10.0, gravity=GRAVITY, speed_noise=None, seed=1):
 
 @pytest.fixture(scope="module")
 def motor():
-    model = load_model("laas_motor").with_value("machine.torque_constant", 1.0)
-    model = model.with_value("sensors.current_noise", NOISE).with_value("sensors.sample_period", PERIOD)
-    model = model.with_value("sensors.motor_encoder_counts", float(COUNTS)).with_value("sensors.speed_noise", 0.2)
-    model = model.with_effect("coulomb_friction", {"torque": 0.1})
-    model = model.with_effect("viscous_friction", {"coefficient": 0.01})
-    return replace(model, effects={name: replace(held, open=True) for name, held in model.effects.items()})
+    return open_motor(1.0, NOISE, PERIOD, motor_encoder_counts=float(COUNTS), speed_noise=0.2)
 
 
 def test_the_integral_of_a_speed_is_no_second_sensor(motor):

@@ -44,14 +44,6 @@ class _Line:
     rows: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
-class _Part:
-    """One recording: what its fit leaves (m,), in units of noise, and the motor's angle (m,) [rad]."""
-
-    left: np.ndarray
-    angle: np.ndarray
-
-
 def differing_zeros(f: Fit) -> dict[str, float]:
     """Angle [rad] to add to the motor's position, by recording; those that need none are left out.
 
@@ -67,7 +59,7 @@ def differing_zeros(f: Fit) -> dict[str, float]:
     for o, rows in zip(problem.observations, problem.torque_parts, strict=True):
         if not o.of_points and len(o.rows) >= FEWEST_SAMPLES:
             left = f.residual[rows]
-            parts.append(_Part(left - left.mean(), o.motor_origin + o.motion[o.rows, MOTOR_ANGLE]))
+            parts.append((left - left.mean(), o.motor_origin + o.motion[o.rows, MOTOR_ANGLE]))
             names.append(o.name)
     if len(parts) < 2:
         return {}
@@ -115,29 +107,31 @@ def of_differing_zeros(by: Mapping[str, float], model: Model) -> tuple[str, ...]
     )
 
 
-def _lines(parts: Sequence[_Part]) -> tuple[list[_Line], np.ndarray]:
-    """The lines of the order spectrum, strongest first, and the variance (R,) of what they leave."""
-    left = [part.left for part in parts]
+def _lines(parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[list[_Line], np.ndarray]:
+    """The lines of the order spectrum, strongest first, and the variance (R,) of what they leave.
+
+    ``parts`` are the residual (m,), in units of noise, and the motor's angle (m,) [rad] of each recording.
+    """
+    parts = list(parts)
     lines: list[_Line] = []
     for _ in range(LINES):
-        of = [(values, part.angle) for values, part in zip(left, parts, strict=True)]
-        power = np.sum([largest_in_cells(ORDERS, *one, FEWEST_CYCLES) for one in of], axis=0)
+        power = np.sum([largest_in_cells(ORDERS, *part, FEWEST_CYCLES) for part in parts], axis=0)
         strongest = int(np.argmax(power))
         near = np.abs(np.log2(ORDERS / ORDERS[strongest])) < 1.0
         background = power[near & (power > 0.0)]
         if not len(background) or power[strongest] < np.median(background) / SMALL:
             break
-        order = refined(float(ORDERS[strongest]), float(STEP), of)
-        waves, rows = np.zeros(len(of), complex), np.zeros(len(of))
-        for k, (values, angle) in enumerate(of):
+        order = refined(float(ORDERS[strongest]), float(STEP), parts)
+        waves, rows = np.zeros(len(parts), complex), np.zeros(len(parts))
+        for k, (values, angle) in enumerate(parts):
             if order * float(np.ptp(angle)) < 2.0 * math.pi * FEWEST_CYCLES:
                 continue
             columns = np.column_stack([np.cos(order * angle), np.sin(order * angle), np.ones(len(angle))])
             found = np.linalg.lstsq(columns, values, rcond=None)[0]
             waves[k] = complex(found[0], -found[1])  # of the exponential of order * angle
-            left[k], rows[k] = values - columns @ found, len(values)
+            parts[k], rows[k] = (values - columns @ found, angle), len(values)
         lines.append(_Line(order, waves, rows))
-    return lines, np.array([float(values.var()) for values in left])
+    return lines, np.array([float(values.var()) for values, _ in parts])
 
 
 def _shifts(lines: Sequence[_Line], noise: np.ndarray, most: float) -> np.ndarray:

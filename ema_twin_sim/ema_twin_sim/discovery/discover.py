@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
@@ -18,16 +18,10 @@ from ..identification.equation import EquationErrorProblem
 from ..identification.estimates import constants, far_off, off_by_one_factor, parameters
 from ..identification.fit import Fit, fit
 from ..identification.hypothesis import Hypothesis
-from ..identification.null_hypothesis import null_hypothesis
 from ..identification.on_bound import on_bounds, torque_sign_reversed
-from ..measured.consistency import refuse_inconsistent
-from ..measured.folds import operating_point_folds
-from ..measured.noise import NoiseFloor, noise_of
-from ..measured.observability import at_rest, not_shown, own_not_shown, restored
-from ..measured.observe import observe_all
-from ..measured.quieter_motion import as_measured
-from ..measured.scales import rms_torque, to_own_units, to_rotary_equivalent, with_hidden_as_given, with_output_held
-from ..measured.switching_ripple import with_switching_ripple
+from ..measured.noise import NoiseFloor
+from ..measured.observability import not_shown, own_not_shown, restored
+from ..measured.scales import rms_torque, with_hidden_as_given
 from ..measured.usual_sizes import unusual_currents
 from ..model import Model
 from ..model.own_units import in_si, is_linear, native_as_given
@@ -36,7 +30,7 @@ from .assumed_torque import of_assumed_torque
 from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants
 from .criteria.contradictions import contradictions
 from .criteria.explained import explained
-from .differing_zeros import as_recorded, differing_zeros, of_differing_zeros, with_zeros_moved
+from .differing_zeros import of_differing_zeros
 from .ending import why_ended
 from .errors_beside_curves import errors_beside_curves
 from .experiment.doubts import moves_one_way
@@ -44,6 +38,7 @@ from .experiment.suggestion import suggest
 from .followed import with_followed_numbers
 from .idle_effects import idle_effects, shows_over
 from .left_over import left_over_words
+from .reading import read_with_one_zero
 from .search.adding import settle
 from .search.removing import less, significant
 from .search.rivals import Rivalry, judged_against_rivals, undecided
@@ -60,7 +55,7 @@ from .shares import of_sums, with_division
 from .slight_laws import without_slight_laws
 from .split import ClosedLoop, with_best_split
 from .straight_waves import of_straight_waves
-from .torque_constant import with_assumed_constant_free, with_factor_as_constant, with_factor_in_the_constant
+from .torque_constant import with_factor_as_constant, with_factor_in_the_constant
 from .unmoved import beside_constants_as_filed, freed, with_unmoved_constants
 from .unseen import Judge, Unseen, gain_where_unseen
 
@@ -155,15 +150,8 @@ def discover(
     InputError if the recordings cannot be judged.
     """
     progress("reading the motion")
-    given, given_recordings = model, recordings
-    read = _read(recordings, given)
-    zeros: dict[str, float] = {}
-    if all(recording.has("motor_position") for recording in recordings):  # an integrated speed has no zero to move
-        zeros = as_recorded(recordings, differing_zeros(fit(read.problem, read.null)), read.model)
-    if zeros:
-        given_recordings = with_zeros_moved(recordings, zeros)
-        read = _read(given_recordings, given)
-    noise, rotary, began, recordings, awake, model, problem, null = read
+    given, read = model, read_with_one_zero(recordings, model)
+    recordings, model, problem, null, noise = read.recordings, read.model, read.problem, read.null, read.noise
     excluded = excluded_effects(recordings, model, without)
     found, known = _searched(problem, null, excluded, progress)
     found = with_factor_as_constant(found, recordings)
@@ -184,8 +172,8 @@ def discover(
     found = with_best_split(loop, found)
     found = with_unmoved_constants(loop, found) if known else found
     progress("judging on held-out recordings")
-    began = began if model.is_open else in_si(model)
-    judge = Judge(rotary, began, noise)
+    began = read.began if model.is_open else in_si(model)
+    judge = Judge(read.rotary, began, noise)
     unseen = judge(found)
     kept: set[frozenset[str]] = set()
     judged = found
@@ -213,8 +201,8 @@ def discover(
         known = (model.is_open or known) and explained(found.problem, found.fit, start)
         depends_on = () if known else depends_on
     if model.is_open:
-        found, unseen = without_slight_laws(found, unseen, judge, rms_torque(rotary, began))
-    if known and model.is_open and _leaves_torque(unseen, rms_torque(rotary, began)):
+        found, unseen = without_slight_laws(found, unseen, judge, rms_torque(read.rotary, began))
+    if known and model.is_open and _leaves_torque(unseen, rms_torque(read.rotary, began)):
         known, depends_on = False, ()  # what is left is too fast for the rows to tell on what it depends
     turned = torque_sign_reversed(found.problem, found.fit)  # then nothing that fits is a load of this machine
     known = known and not turned
@@ -246,12 +234,12 @@ def discover(
     order = _most_telling_first(best.hypothesis.added, steps)
     added = tuple(dict.fromkeys(best.hypothesis.added[name].effect for name in order))
     told = parameters(best, errors)
-    better = native_as_given(restored(best.hypothesis.model(), awake), given)
+    better = native_as_given(restored(best.hypothesis.model(), read.awake), given)
     better = with_factor_in_the_constant(better, best.hypothesis.base, given).fitted_from(given)
     end = given if as_given else with_hidden_as_given(better, given, recordings)
     refitted = {} if as_given or not problem.size else constants(best, errors, given)
     misread = (
-        *unusual_currents(given_recordings, given),
+        *unusual_currents(read.given, given),
         *(off_by_one_factor(refitted, given) if model.is_open else ()),
     )
     return Discovery(
@@ -268,8 +256,8 @@ def discover(
         (
             *misread,
             *(warning for recording in recordings for warning in recording.warnings),
-            *of_differing_zeros(zeros, model),
-            *of_assumed_torque(given_recordings, given),
+            *of_differing_zeros(read.zeros, model),
+            *of_assumed_torque(read.given, given),
             *contradictions(problem, best),
             *far_off(best),
             *of_straight_waves(problem, best),
@@ -286,39 +274,13 @@ def discover(
         found,
         problem,
         rivals,
-        tuple(rotary),
-        tuple(given_recordings),
+        tuple(read.rotary),
+        tuple(read.given),
         noise,
-        *_left(given_recordings, end, noise),
+        *_left(read.given, end, noise),
         "" if known else left_over_words(problem, found, depends_on),
         misread,
     )
-
-
-class _Read(NamedTuple):
-    """What a discovery works on: recordings and model for the judge, in SI, and those in the machine's own units."""
-
-    noise: NoiseFloor
-    rotary: list[Recording]
-    began: Model
-    recordings: list[Recording]
-    awake: Model  # with the effects that these recordings do not show
-    model: Model
-    problem: EquationErrorProblem
-    null: Hypothesis
-
-
-def _read(recordings: Sequence[Recording], given: Model) -> _Read:
-    measured = as_measured(recordings, given)
-    rotary, began = to_rotary_equivalent(measured, given)
-    own, awake = to_own_units(measured, given)
-    own = operating_point_folds(own, awake)
-    model = with_output_held(at_rest(awake, own), own)
-    refuse_inconsistent(own, model)
-    problem = EquationErrorProblem([with_switching_ripple(o, model) for o in observe_all(list(own), model)])
-    null = with_assumed_constant_free(null_hypothesis(model, by_torque=problem.size > 0), own)
-    noise = noise_of(measured, given)
-    return _Read(noise, operating_point_folds(rotary, began), began, own, awake, model, problem, null)
 
 
 def excluded_effects(recordings: Sequence[Recording], model: Model, without: Sequence[str]) -> frozenset[str]:

@@ -27,8 +27,9 @@ def with_unmoved_constants(loop: ClosedLoop, found: Search) -> Search:
         return found
     put_back = _put_back(best)
     if not best.parted:
-        as_near = put_back is not None and put_back.misfit <= (1.0 + NEGLIGIBLE) * best.misfit
-        return found.with_numbers(put_back) if put_back is not None and as_near else found
+        if put_back is None or put_back.misfit > (1.0 + NEGLIGIBLE) * best.misfit:
+            return found
+        return found.with_numbers(put_back)
     simpler = [_as_filed(best), *([] if put_back is None else [put_back])]
     fitted, *errors = loop.errors(f.hypothesis for f in (best, *simpler))
     least = min([fitted, *errors])

@@ -53,7 +53,8 @@ def _signs(recording: Recording, model: Model) -> Iterator[int]:
         as_read, turned = (least_beside(loads, needed, sign * torque) for sign in (1.0, -1.0))
         alone = least_beside(loads, needed[:, :0], torque)
         sign = 1 if as_read < turned else -1
-        gain = float(weights @ weights) * math.log(max(alone, 1e-300) / max(min(as_read, turned), 1e-300))
+        least = np.finfo(float).tiny  # where the fit is exact
+        gain = float(weights @ weights) * math.log(max(alone, least) / max(min(as_read, turned), least))
         clear = min(as_read, turned) < PART * max(as_read, turned) and gain > CORRELATION * DEPENDS
         yield 0 if not clear or (sign < 0 and brings_energy(recording, seen)) else sign
 

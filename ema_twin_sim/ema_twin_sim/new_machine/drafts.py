@@ -20,7 +20,7 @@ from ema_bench_replay.units import unit_in
 
 from ..criteria import SMALL
 from ..listing import first_of
-from ..measured.drive_regression import sign_of_drive, signs_of_drive
+from ..measured.drive_regression import agreed_sign, signs_of_drive
 from ..measured.load_sensor import falls_with_load, follows_load, times_current
 from ..measured.scales import to_own_units
 from ..measured.sign_by_friction import sign_by_friction
@@ -307,9 +307,10 @@ def _signs_of_drive(recordings: Sequence[Recording], model: ModelDraft) -> list[
 
 def _sign(recording: Recording, model: Model) -> int:
     """The sign by what the drive moves; where nothing tells that, by friction alone."""
-    if not recording.of_points and any(signs_of_drive(recording, model)):
-        return sign_of_drive(recording, model)
-    return sign_by_friction(recording, model)
+    if recording.of_points:
+        return 0
+    told = [sign for sign in signs_of_drive(recording, model) if sign]
+    return agreed_sign(told) if told else sign_by_friction(recording, model)
 
 
 def _of_the_output(guess: Guess, why: str) -> Guess:

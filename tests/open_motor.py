@@ -1,0 +1,16 @@
+"""A motor of which neither inertia nor friction is known, as a first draft of a machine is."""
+
+from dataclasses import replace
+
+from ema_twin_sim.model import load_model
+
+
+def open_motor(torque_constant, current_noise, period, coulomb=0.1, viscous=0.01, **sensors):
+    """It starts from a ``coulomb`` [N m] and a ``viscous`` [N m s/rad] friction; ``sensors`` are more numbers of these."""
+    model = load_model("laas_motor").with_value("machine.torque_constant", torque_constant)
+    told = {"current_noise": current_noise, "sample_period": period, **sensors}
+    for name, value in told.items():
+        model = model.with_value(f"sensors.{name}", value)
+    model = model.with_effect("coulomb_friction", {"torque": coulomb})
+    model = model.with_effect("viscous_friction", {"coefficient": viscous})
+    return replace(model, effects={name: replace(held, open=True) for name, held in model.effects.items()})
