@@ -6,7 +6,7 @@ from ema_twin_sim.model import load_model
 
 
 def open_motor(torque_constant, current_noise, period, coulomb=0.1, viscous=0.01, **sensors):
-    """It starts from a ``coulomb`` [N m] and a ``viscous`` [N m s/rad] friction; ``sensors`` are more numbers of these."""
+    """Its frictions start from ``coulomb`` [N m] and ``viscous`` [N m s/rad]; ``sensors`` are more of their numbers."""
     model = load_model("laas_motor").with_value("machine.torque_constant", torque_constant)
     told = {"current_noise": current_noise, "sample_period": period, **sensors}
     for name, value in told.items():
