@@ -78,7 +78,7 @@ METHOD = {
     ),
     "discovery/experiment/doubts.py": "ALTERNATIVES",
     "discovery/experiment/next_command.py": "_TURNS _FINALISTS _FEW_FINALISTS _RUNNERS_UP _SIDE_BY_SIDE",
-    "discovery/experiment/rival_field.py": "_STEP STEPS",
+    "discovery/experiment/rival_field.py": "_STEP _AS_LONG STEPS",
     "discovery/experiment/suggestion.py": "SLOW FAST",
     "discovery/followed.py": "SECONDS STEPS ENOUGH TRIED FINER UNCOUNTED",
     "discovery/left_over.py": "_BINS _FEWEST",

@@ -233,6 +233,14 @@ def test_every_command_of_the_grid_keeps_within_limits(limits, few):
             assert np.abs(speed).max() < 1.01 * limits.speed
 
 
+@pytest.mark.parametrize("longest", [0.5, 3.0, 8.0])
+def test_a_shorter_recording_still_has_whole_periods(longest):
+    trials = command_grid(LIMITS, 0.005, 16.67, few=True, longest=longest)
+    assert {"ramp", "triangle", "sine"} <= {trial.kind for trial in trials}
+    assert all(0.2 * longest <= trial.seconds <= longest for trial in trials)
+    assert all(trial.turns >= 2 for trial in trials if trial.kind != "ramp")
+
+
 def test_round_numbers_do_not_round_up():
     values = 10.0 ** np.random.default_rng(0).uniform(-6, 3, 200)
     assert all(0.7 * value < round_number(value) <= value * (1.0 + 1e-9) for value in values)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from .bench_limits import Limits
 
 LONGEST = 20.0
-"""Own s: duration of a recording, if travel allows."""
-_SHORTEST = 4.0  # own s: shortest ramp worth recording
+"""Own s: duration of a recording, if travel and what has been recorded so far allow."""
+_SHORTEST = 0.2  # of that duration: shortest ramp worth recording
 _NICE = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 _FEW_SPEEDS = (1.0, 0.3)
 _SPEEDS = (1.0, 0.5, 0.25, 0.1)
@@ -41,10 +41,11 @@ def command_grid(
     position_gain: float,
     *,
     few: bool = False,
+    longest: float = LONGEST,
     second: float = 1.0,
     radian: float = 1.0,
 ) -> tuple[Planned, ...]:
-    """Commands whose speed and travel stay within limits; ``few`` returns a handful of them.
+    """Commands of at most ``longest`` whose speed and travel stay within limits; ``few`` returns a handful of them.
 
     ``slowest`` [rad/s] is the speed of the slow shaft below which nothing can be judged. ``position_gain`` [1/s of the
     slow shaft] gives how fast the position loop answers a step. Both are in own units; ``second`` and ``radian`` are
@@ -69,14 +70,15 @@ def command_grid(
             lasts = float(f"{seconds * second:g}")
             found.setdefault(asked, Planned(own, seconds, math.floor(seconds / half + 1e-9), asked, lasts))
 
-    halves = [nice(half, second) for half in (_FEW_HALVES if few else _HALVES)]
-    longest = nice(LONGEST, second)
+    whole = [half for half in (_FEW_HALVES if few else _HALVES) if 2.0 * half <= longest]
+    halves = [nice(half, second) for half in whole or (0.25 * longest,)]
+    shortest, longest = _SHORTEST * longest, nice(longest, second)
     for share in _FEW_SPEEDS if few else _SPEEDS:
         speed = nice(share * limits.speed, velocity)
         for sign, room in ((1.0, limits.upper), (-1.0, -limits.lower)):
             lasts = room / speed * second if speed > 0.0 else 0.0
             seconds = min(longest, (math.floor(lasts) if lasts >= 1.0 else round_number(lasts)) / second)
-            if seconds >= _SHORTEST:
+            if seconds >= shortest:
                 offer("ramp", sign * speed, None, math.inf, speed, seconds)
             for half in halves:
                 slow = min(speed, nice(room / half, velocity))  # if that speed needs too much travel, a lower one

@@ -32,11 +32,14 @@ from ...simulation.lumped_model import lumped_model
 from ...simulation.stand_in_drive import with_stand_in_drive
 from ...simulation.virtual_bench import virtual_bench
 from .bench_limits import Limits, reached
-from .command_grid import Planned, command_grid
+from .command_grid import LONGEST, Planned, command_grid
 from .detection import Detection, Showing, marginal, without_generic_bases
 from .doubts import NOTHING, Doubt, Rival, reverses
 
 _STEP = 1.25e-4  # own s, integration step: a plan needs no finer one
+_AS_LONG = 2.0
+"""Among few commands, none lasts longer than this many times all recordings so far: a slow machine's own seconds are
+minutes, for which nobody waits who has recorded seconds and asked for no plan."""
 STEPS = 3  # iterations of a rival's fit to what another would show
 
 Pair = tuple[str, str]
@@ -99,6 +102,8 @@ class RivalField:
         self.noise = float(np.median(of_torque)) if of_torque else math.nan  # NaN if no torque was measured
         self.signals = signals
         self.reversed = reverses(problem)
+        recorded = sum(float(o.motion[-1, TIME] - o.motion[0, TIME]) for o in problem.observations if not o.of_points)
+        self.longest_of_few = min(LONGEST, _AS_LONG * recorded) if recorded else LONGEST
         self.origins = (problem.observations[0].motor_origin, problem.observations[0].output_origin)
 
     def _named(self, one: Rival, other: Rival) -> Pair:
@@ -110,10 +115,12 @@ class RivalField:
 
     def grid(self, limits: Limits, *, few: bool) -> tuple[Planned, ...]:
         """The commands within limits."""
+        longest = self.longest_of_few if few else LONGEST
         ratio = self.base.value("machine.gear_ratio")
         gain = self.base.value("drive.position_gain") / ratio
         second, radian = (shown(self.base, 1.0, unit)[0] for unit in ("s", "rad"))
-        return command_grid(limits, 2.0 * STANDSTILL / ratio, gain, few=few, second=second, radian=radian)
+        slowest = 2.0 * STANDSTILL / ratio
+        return command_grid(limits, slowest, gain, few=few, longest=longest, second=second, radian=radian)
 
     def simulated(self, rival: int, trial: Planned) -> tuple[Observation, Limits]:
         """What a rival would show under a command, in the signals of the recordings, and what the bench would reach."""
