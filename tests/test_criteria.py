@@ -22,6 +22,7 @@ METHOD = {
     "measured/observe.py": "START JITTER LEAST_NOISE WIDER LARGEST",
     "measured/order_spectrum.py": "_ANGLE_BINS _LARGEST _FINER",
     "measured/signal_factors.py": "DEGREES RPM TURN SETPOINT",
+    "measured/adaptive_acceleration.py": "_TIMES _AGREE",
     "measured/robust_regression.py": "_STEPS",
     "measured/smoothed_motion.py": "WIDTH COUNTER_WIDTH COUNTER_SPEED_WIDTH COUNTER_PULL LEAST_PERIODS FEWEST",
     "measured/smoothing.py": "REACH DERIVATIVE_REACH",

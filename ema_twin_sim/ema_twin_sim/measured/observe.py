@@ -25,6 +25,7 @@ from ..simulation.angle_origins import origins_of
 from ..simulation.operating_points import FEWEST as FEWEST_POINTS
 from ..simulation.operating_points import doubled, motion_at_points
 from ..simulation.sensor_noise import counter_noise
+from .adaptive_acceleration import adaptive_acceleration
 from .bandwidth import narrowest, narrowest_of_speed
 from .observation import Observation
 from .row_noise import encoder_noise, rounding_noise, shaken, smallest_step, torque_noise
@@ -129,7 +130,9 @@ def observe(
         rows=rows,
         torque=_at(drive, kernel, rows),
         torque_rate=smooth(drive, gaussian(width, period, 1))[rows],
-        acceleration=acceleration[rows],
+        acceleration=adaptive_acceleration(
+            acceleration[rows], rows, signals, period, width, model, reading, motion_noise
+        ),
         acceleration_noise=motion_noise,
         torque_noise=noise[rows],
         torque_reading=min(white, constant * model.value("sensors.current_noise") * float(np.linalg.norm(kernel))),

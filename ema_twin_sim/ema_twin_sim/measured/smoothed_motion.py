@@ -79,23 +79,34 @@ def smoothed_motion(
         smoothing = model.value("sensors.speed_smoothing")
         speed = smooth(signals["speed"], gaussian(period, period))
         speed += smoothing * smooth(signals["speed"], gaussian(period, period, 1))
-        exact = slope(width, period, smoothing)
-        acceleration = smooth(signals["speed"], exact)
+        acceleration = smooth(signals["speed"], slope(width, period, smoothing))
         travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * period)])
         angle = travelled + smooth(position - travelled, gaussian(COUNTER_PULL, period))
-        noise = model.value("sensors.speed_noise") * float(np.linalg.norm(exact))
     else:
         speed_width = max(COUNTER_SPEED_WIDTH, LEAST_PERIODS * period / 2.0)
         if not geared:
             speed_width = narrowest_for_speed(period, reading, speed_width, period / 2.0, STANDSTILL)
         speed = smooth_way(position, gaussian(speed_width, period, 1))
         angle = smooth_way(position, gaussian(speed_width, period))
-        bend = gaussian(width, period, 2)
-        acceleration = smooth_way(position, bend)
-        noise = reading * float(np.linalg.norm(bend))
+        acceleration = smooth_way(position, gaussian(width, period, 2))
     output = signals.get("output_position", angle / model.value("machine.gear_ratio"))
     load = signals.get("load_torque", np.zeros(len(time)))
-    return np.stack([time, angle, speed, acceleration, signals["current"], output, load], axis=1), noise
+    motion = np.stack([time, angle, speed, acceleration, signals["current"], output, load], axis=1)
+    return motion, differentiator(signals, period, width, model, reading)[2]
+
+
+def differentiator(
+    signals: dict[str, np.ndarray], period: float, width: float, model: Model, reading: float
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """(signal (n,), kernel that makes it the acceleration, noise [rad/s2] that its sensor leaves there).
+
+    The speed if it was measured, otherwise the motor's position; ``reading`` as above.
+    """
+    if "speed" in signals:
+        kernel = slope(width, period, model.value("sensors.speed_smoothing"))
+        return signals["speed"], kernel, model.value("sensors.speed_noise") * float(np.linalg.norm(kernel))
+    kernel = gaussian(width, period, 2)
+    return signals["motor_position"], kernel, reading * float(np.linalg.norm(kernel))
 
 
 def full_rate(recording: Recording, model: Model) -> tuple[np.ndarray, float]:

@@ -1,0 +1,71 @@
+"""Acceleration that is smoothed at each row as widely as its noise cannot tell from smoothing it less.
+
+A regression on a noisy acceleration finds the inertia too small, by the noise's share in what the model's other terms
+do not explain of it (errors in variables: Fuller, Measurement Error Models, 1987). In a sine of one frequency these
+explain nearly all, since a load that follows the position looks the same. Teeth and impacts need a narrow kernel for
+the torque, but the acceleration between them needs none.
+
+The width is chosen by intersecting confidence intervals (Goldenshluger and Nemirovski, Mathematical Methods of
+Statistics 6, 1997). A difference of two Gaussians, twice one less one that is wider by the root of two, has no error of
+second order: a single one would make a slow acceleration too small, and so the inertia too large.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..model import Model
+from .smoothed_motion import differentiator
+from .smoothing import smooth_at
+
+_TIMES = (2.0, 4.0, 8.0)  # widths, over the usual one
+_AGREE = 3.0  # standard deviations of the narrower one's noise within which two accelerations agree
+
+
+def adaptive_acceleration(
+    acceleration: np.ndarray,
+    rows: np.ndarray,
+    signals: dict[str, np.ndarray],
+    period: float,
+    width: float,
+    model: Model,
+    reading: float,
+    noise: float,
+) -> np.ndarray:
+    """Acceleration (m,) [rad/s2] at ``rows`` (m,) of what is known through a kernel of ``width`` [s] (m,).
+
+    ``signals`` (n,) and ``reading`` as in ``smoothed_motion``, whose second value is the ``noise`` [rad/s2].
+    """
+    chosen = acceleration.copy()
+    narrower = [(acceleration, noise)]
+    wider = np.ones(len(rows), bool)  # rows whose last width agreed with all narrower ones
+    for times in _TIMES:
+        signal, kernel, noise = _differentiator(signals, period, times * width, model, reading)
+        half = len(kernel) // 2
+        wider &= (rows >= half) & (rows < len(signal) - half)
+        places = np.flatnonzero(wider)
+        found = np.empty(len(places))
+        smooth_at(np.ascontiguousarray(signal), kernel[::-1].copy(), rows[places], found)
+        agrees = np.ones(len(places), bool)
+        for values, deviation in narrower:
+            agrees &= np.abs(found - values[places]) <= _AGREE * deviation
+        chosen[places[agrees]] = found[agrees]
+        wider[places[~agrees]] = False
+        whole = np.full(len(rows), np.nan)
+        whole[places] = found
+        narrower.append((whole, noise))
+    return chosen
+
+
+def _differentiator(
+    signals: dict[str, np.ndarray], period: float, width: float, model: Model, reading: float
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """As ``differentiator``, without an error of second order."""
+    signal, once, noise = differentiator(signals, period, width, model, reading)
+    _, kernel, _ = differentiator(signals, period, math.sqrt(2.0) * width, model, reading)
+    kernel = -kernel
+    beyond = len(kernel) // 2 - len(once) // 2
+    kernel[beyond : len(kernel) - beyond] += 2.0 * once
+    return signal, kernel, noise * float(np.linalg.norm(kernel) / np.linalg.norm(once))
