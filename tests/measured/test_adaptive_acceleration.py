@@ -28,7 +28,8 @@ def of(speed, motor, seed=1):
     rows = np.arange(50, len(speed) - 50, 10)
     motion, noise = smoothed_motion(signals, TIME, PERIOD, WIDTH, motor, 0.0, True)
     usual = motion[rows, 3]
-    return rows, usual, adaptive_acceleration(usual, rows, signals, PERIOD, WIDTH, motor, 0.0, noise), noise
+    slow = np.zeros(len(speed), bool)
+    return rows, usual, adaptive_acceleration(usual, rows, signals, PERIOD, WIDTH, motor, 0.0, noise, slow), noise
 
 
 def test_a_slow_motion_loses_nearly_all_its_noise_and_nothing_else(motor):
@@ -66,6 +67,17 @@ def test_an_inertia_beside_a_load_at_the_position_is_not_too_small(motor):
     ]
     assert found[0] < 0.9 * 2e-5
     assert found[1] == pytest.approx(2e-5, rel=0.02)
+
+
+def test_corners_where_a_machine_stands_are_not_smoothed(motor):
+    speed = np.where(np.abs(TIME - 4.0) < 0.02, 0.0, 5.0)
+    signals = {"current": np.zeros(len(TIME)), "speed": speed, "motor_position": np.cumsum(speed) * PERIOD}
+    rows = np.arange(200, len(TIME) - 200, 10)
+    usual = np.zeros(len(rows))
+    known = (usual, rows, signals, PERIOD, WIDTH, motor, 0.0, 1e6)
+    stays = adaptive_acceleration(*known, speed == 0.0) == usual
+    near = np.abs(TIME[rows] - 4.0)
+    assert stays[near < 5.0 * WIDTH].all() and not stays[(near > 20.0 * WIDTH) & (near < 30.0 * WIDTH)].any()
 
 
 @pytest.mark.slow

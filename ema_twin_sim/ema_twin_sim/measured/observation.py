@@ -29,10 +29,11 @@ class Observation:
     output_origin: float  # rad, the same of the output encoder
     kernel: np.ndarray
     rows: np.ndarray  # int64 (m,), samples at which the torque is judged
-    torque: np.ndarray  # (m,) nominal torque constant times current, smoothed
+    torque: np.ndarray  # (m,) nominal torque constant times current, smoothed; less what the model's inertia needs for
+    # the part of the acceleration that is as small as its noise, which so is no regressor
     torque_rate: np.ndarray  # (m,) its slope, N m/s
-    acceleration: np.ndarray  # (m,) rad/s2, smoothed by the same kernel
-    acceleration_noise: float  # rad/s2, what the sensor's noise leaves in it
+    acceleration: np.ndarray  # (m,) rad/s2, without that part
+    acceleration_noise: float  # rad/s2, what the sensor's noise leaves in it and in that part
     torque_noise: np.ndarray  # (m,)
     torque_reading: float  # N m, the part of it that its sensors leave, no more than the model says
     torque_step: float  # N m, between adjacent readings of the current

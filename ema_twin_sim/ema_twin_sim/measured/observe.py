@@ -107,6 +107,7 @@ def observe(
         white = math.hypot(white, reading_noise(signals["load_torque"]) * float(np.linalg.norm(kernel)))
     inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
     noise = math.hypot(white, inertia * motion_noise) * shaken(hit)
+    quiet = adaptive_acceleration(acceleration[rows], rows, signals, period, width, model, reading, motion_noise, slow)
     largest = min(model.value("drive.torque_limit"), LARGEST * float(np.abs(drive).max()))
     noise = np.maximum(noise, LEAST_NOISE * largest)
     parted = _Parted(centres[:0], np.zeros(0), np.zeros(0), centres[:0])
@@ -128,11 +129,9 @@ def observe(
         output_origin=output_origin,
         kernel=kernel,
         rows=rows,
-        torque=_at(drive, kernel, rows),
+        torque=_at(drive, kernel, rows) - inertia * (acceleration[rows] - quiet),
         torque_rate=smooth(drive, gaussian(width, period, 1))[rows],
-        acceleration=adaptive_acceleration(
-            acceleration[rows], rows, signals, period, width, model, reading, motion_noise
-        ),
+        acceleration=quiet,
         acceleration_noise=motion_noise,
         torque_noise=noise[rows],
         torque_reading=min(white, constant * model.value("sensors.current_noise") * float(np.linalg.norm(kernel))),
