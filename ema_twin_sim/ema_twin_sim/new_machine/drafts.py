@@ -30,7 +30,7 @@ from ..model.constants import CONSTANTS
 from ..quantities import quantity
 from .columns import Guess, Guesses
 from .given import Given
-from .load_by_numbers import load_by_numbers
+from .load_by_numbers import doubted_motors_torque, load_by_numbers
 from .map_draft import draft_map
 from .model_draft import ModelDraft, draft_model, farthest
 from .position_beside_speed import not_summed, share_beside_speed, unlike_speed
@@ -113,6 +113,11 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
             f"{column['motor_position']}: of the same shaft as {column['speed']}, though {told} (if it is not, remove "
             "one of them and run init again)"
         )
+    unsure, remedy = ("", "") if left_out else doubted_motors_torque(recordings, guesses)
+    if unsure:
+        guesses = guesses.with_doubt("motor_torque", unsure)
+        torque = next(guess.column for guess in guesses.signals if guess.signal == "motor_torque")
+        assumed.append(f"{torque}: the motor's torque, though {unsure.partition(':')[0]} ({remedy})")
     load = next((guess for guess in guesses.signals if guess.signal == "load_torque" and guess.shaft_doubt), None)
     if load is not None:
         assumed.append(

@@ -29,7 +29,7 @@ def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
     if guesses.time is not None:
         unit = guesses.time.unit or "s"
         doubt = check_comment(guesses.time.doubt if guesses.time.unit else "the header names no unit")
-        lines.append(f"time: {{column: {_quoted(guesses.time.column)}, unit: {unit}}}{doubt}")
+        lines.append(f"time: {{column: {quoted(guesses.time.column)}, unit: {unit}}}{doubt}")
     if guesses.joint.name:
         lines.append(f"# {CHECK}: {guesses.joint.sentence}")
     lines.append("signals:")
@@ -71,7 +71,7 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
     if guess.unit == COUNTS:
         doubt = look(guess.doubt if guess.counts else "give the counts per turn, all edges counted")
         return (
-            f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], counts_per_revolution: "
+            f"  {guess.signal}: {{columns: [{quoted(guess.column)}], counts_per_revolution: "
             f"{guess.counts or ASSUMED_COUNTS:g}{turned}{of_output}}}{doubt or shown}"
         )
     unit = guess.unit or signal_unit(guess.signal, motion)
@@ -81,9 +81,7 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
     doubt = look("; ".join(filter(None, (unsure, sign if of_load else "", size, command)))) or shown
     if of_position and not doubt and not of_output and motion != "linear":
         doubt = "  # at the motor's shaft; add `shaft: output` if it is the output's"
-    return (
-        f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], unit: {unit}{turned}{of_output}{magnitude}}}{doubt}"
-    )
+    return f"  {guess.signal}: {{columns: [{quoted(guess.column)}], unit: {unit}{turned}{of_output}{magnitude}}}{doubt}"
 
 
 def _unit_doubt(column: str) -> str:
@@ -92,7 +90,7 @@ def _unit_doubt(column: str) -> str:
     return f"'{foreign}' is not a known unit" if foreign and not foreign.isdigit() else "no unit in the header"
 
 
-def _quoted(column: str) -> str:
+def quoted(column: str) -> str:
     """A column's name as a regular expression that matches only it, in single quotes.
 
     ``re.escape`` would escape its blanks and hyphens too, which is hard to read.
