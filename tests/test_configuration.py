@@ -54,3 +54,11 @@ def test_what_is_not_there_is_refused_with_help(tmp_path, monkeypatch):
         find_configuration("maps", "quite_another")
     with pytest.raises(InputError, match=r"gone/siemens\.yaml: not found"):
         find_configuration("maps", "gone/siemens.yaml")
+
+
+@pytest.mark.parametrize("name", [".", "..", "folder"])
+def test_a_folder_is_said_to_be_one(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(InputError, match=r": is a folder; give a file in it, or one of the maps: .*siemens"):
+        find_configuration("maps", name)

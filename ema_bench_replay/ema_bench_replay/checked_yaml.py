@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from difflib import get_close_matches
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,8 @@ import yaml
 from ema_bench_replay.errors import InputError
 
 _READ_OTHERWISE = re.compile(r"[\t?!\ufeff]|[|>][-+0-9]*#")  # libyaml and PyYAML disagree on some of these
+_DIGITS = re.compile(r"\d+([eE][-+]?\d+)?")
+_WITH_COMMA = re.compile(r"\s*([-+]?\d+),(\d+([eE][-+]?\d+)?)\s*")  # a number with a decimal comma
 _LARGEST = 1 << 20  # bytes; hand-written files have a few thousand
 _MOST_NODES = 100_000  # keys and values with every alias expanded; hand-written files have some hundred
 
@@ -42,6 +45,8 @@ def read_yaml(path: Path, remedy: str = "give a YAML file in UTF-8") -> tuple[An
         mark = getattr(error, "problem_mark", None)
         place = f"line {mark.line + 1}: " if mark else ""
         problem = getattr(error, "problem", None) or "it does not parse"
+        if isinstance(error, _DecimalComma):
+            raise InputError(f"{path}: {place}{problem}") from None
         raise InputError(f"{path}: {place}is no YAML: {problem}; correct it") from None
     except RecursionError:
         raise InputError(f"{path}: is nested too deeply; correct it") from None
@@ -77,6 +82,31 @@ def _count(node: yaml.Node, counted: dict[int, int]) -> int:
     return total
 
 
+class _DecimalComma(yaml.composer.ComposerError):
+    """A number with a decimal comma in a mapping in braces, where the comma ends the value."""
+
+
+def decimal_comma(value: object) -> str:
+    """What is wrong with a text that is a number with a decimal comma, and what to do; empty for all else."""
+    return _said_of_comma(value.strip()) if isinstance(value, str) and _WITH_COMMA.fullmatch(value) else ""
+
+
+def _refuse_decimal_comma(pairs: list[tuple[yaml.Node, yaml.Node]]) -> None:
+    """Raise _DecimalComma if a key of digits without a value follows a value of digits, as ``value: 0,052`` reads."""
+    for (_, before), (key, after) in pairwise(pairs):
+        plain = isinstance(before, yaml.ScalarNode) and isinstance(key, yaml.ScalarNode) and not key.style
+        if not plain or not isinstance(after, yaml.ScalarNode) or after.value:
+            continue
+        number = f"{before.value},{key.value}"
+        if _DIGITS.fullmatch(key.value) and _WITH_COMMA.fullmatch(number):
+            raise _DecimalComma(None, None, _said_of_comma(number), key.start_mark)
+
+
+def _said_of_comma(number: str) -> str:
+    """What is wrong with a number with a decimal comma; and after a semicolon, what to do."""
+    return f"{number} has a decimal comma; write {number.replace(',', '.')}, with a point"
+
+
 class _Loader(yaml.SafeLoader):
     """PyYAML's safe loader, but it refuses duplicate keys and unbounded aliases."""
 
@@ -103,6 +133,7 @@ class _Loader(yaml.SafeLoader):
                         None, None, f"the key {key.value!r} is there twice", key.start_mark
                     )
                 seen.add((key.tag, key.value))
+        _refuse_decimal_comma(node.value)
         return node
 
     def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
@@ -167,6 +198,8 @@ class Checker:
 
     def number(self, value: Any, place: str, lower: float = -math.inf, upper: float = math.inf) -> float:
         """Check that it is a finite number from `lower` to `upper`; returned as float."""
+        if said := decimal_comma(value):
+            raise InputError(f"{self.path}: {place}: {said}")
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
             raise self.error(place, f"{value!r} is no number", "give one (YAML wants 1.0e-3, not 1e-3)")
         if not lower <= value <= upper:

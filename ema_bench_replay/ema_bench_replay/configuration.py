@@ -30,6 +30,8 @@ def find_configuration(kind: str, name: str | Path) -> Path:
                 if file.name == given.name or _bare(file) == given.name:
                     return file
     known = sorted({_bare(file) for place in places for file in _files(place)})
+    if given.is_dir():
+        raise InputError(f"{name}: is a folder; give a file in it, or one of the {kind}: {', '.join(known) or 'none'}")
     near = get_close_matches(_bare(given), known, n=1, cutoff=0.5)
     hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(known) or 'none'};"
     tried = ", ".join(map(str, places)) or "nowhere: set EMA_TWIN_CONFIG"

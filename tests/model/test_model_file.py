@@ -268,3 +268,51 @@ def test_a_torque_constant_may_be_told_at_the_output(tmp_path, content):
     del content["machine"]["gear_ratio"]["shaft"]
     content["machine"]["torque_constant"]["shaft"] = "load"
     assert "motor, output" in refused(tmp_path, content)
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [("{value: 0,052, unit: kg m^2}", "0.052"), ("{value: -12,5, unit: kg m^2}", "-12.5"), ("{value: 3,4}", "3.4")],
+)
+def test_a_decimal_comma_in_braces_is_named_as_such(tmp_path, content, written, meant):
+    """The comma ends the value there, and the rest was an unknown key, of which YAML reads 052 as 42."""
+    content["machine"]["motor_inertia"] = "HERE"
+    message = refused(tmp_path, yaml.safe_dump(content).replace("HERE", written))
+    assert f"has a decimal comma; write {meant}, with a point" in message and ": line " in message
+
+
+@pytest.mark.parametrize("quoted", ["0,052", "'0,052'", "1,5e-3"])
+def test_so_is_one_outside_of_braces(tmp_path, content, quoted):
+    content["machine"]["motor_inertia"] = {"unit": "kg m^2", "value": "HERE"}
+    message = refused(tmp_path, yaml.safe_dump(content).replace("HERE", quoted))
+    written = quoted.strip("'")
+    assert f"{written} has a decimal comma; write {written.replace(',', '.')}, with a point" in message
+
+
+def test_other_keys_of_digits_are_what_they_were(tmp_path, content):
+    assert parse_yaml("{1: 2, 3: 4}") == {1: 2, 3: 4} and parse_yaml("[0,052]") == [0, 42]
+    content["machine"]["motor_inertia"] = "HERE"
+    message = refused(tmp_path, yaml.safe_dump(content).replace("HERE", "{value: about 1, 52: }"))
+    assert "comma" not in message and "unknown key 52" in message
+
+
+def test_a_ratio_that_is_missing_is_a_plain_number(tmp_path, content):
+    """Its unit, 1, read as if the value were to be given in ones."""
+    del content["machine"]["gear_ratio"]
+    assert refused(tmp_path, content).endswith("machine.gear_ratio: is missing; give its value, a plain number")
+
+
+@pytest.mark.parametrize("name", [".", "..", "folder", "folder.yaml"])
+def test_a_folder_is_no_model(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder.yaml").mkdir()
+    with pytest.raises(InputError) as error:
+        load_model(name)
+    assert "older" in str(error.value).partition(name)[2] or "directory" in str(error.value)
+
+
+def test_a_folder_does_not_hide_a_shipped_model(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "polito_bench").mkdir()
+    assert load_model("polito_bench").name

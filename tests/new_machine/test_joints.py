@@ -100,3 +100,29 @@ def test_a_filtered_copy_of_a_position_is_no_output():
     assert found["motor_position"] == "pos_meas" and "output_position" not in found
     del numbers["pos_meas"]
     assert taken(numbers)["motor_position"] == "pos_filt"
+
+
+@pytest.mark.parametrize("idle", [np.zeros(len(TIME)), np.full(len(TIME), 0.5)])
+@pytest.mark.parametrize(
+    "names",
+    [("q{} [rad]", "dq{} [rad/s]", "iq{} [A]"), ("pos ({})", "speed ({})", "torque ({})")],
+)
+def test_a_joint_whose_drive_never_changes_comes_after_those_whose_does(names, idle):
+    """Of two coupled actuators the one without a current was taken, and discover refused it."""
+    numbers = robot(names, far=2)
+    numbers[names[2].format(2)] = idle
+    guesses = guess_columns(list(numbers), numbers=numbers)
+    assert guesses.joint.name != "2"
+    assert guesses.joint.undriven == ("2",)
+    assert "of those whose current or torque changes (that of 2 never does)" in guesses.joint.sentence
+    for joint in (1, 3):
+        numbers[names[2].format(joint)] = idle
+    guesses = guess_columns(list(numbers), numbers=numbers)  # no drive changes: the largest motion decides
+    assert guesses.joint.name == "2" and guesses.joint.undriven == ()
+
+
+def test_a_torque_that_changes_does_not_stand_for_a_current_that_does_not():
+    numbers = robot(("q{} [rad]", "iq{} [A]", "torque {} [Nm]"), far=2)
+    numbers["iq2 [A]"] = np.zeros(len(TIME))
+    numbers["iq1 [A]"][5] = np.nan
+    assert guess_columns(list(numbers), numbers=numbers).joint.name in ("1", "3")

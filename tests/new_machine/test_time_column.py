@@ -69,3 +69,35 @@ def test_what_is_named_something_else_is_no_clock(name):
 @pytest.mark.parametrize("rows", [0, 1, 2])
 def test_fewer_than_two_steps_are_not_uneven(rows):
     assert not is_uneven(np.arange(float(rows)))
+
+
+ROWS = np.arange(1.0, 201.0)
+CLOCK = 0.002 * ROWS + 1e-4 * np.sin(ROWS)
+
+
+@pytest.mark.parametrize("counter", ["timestep", "time_step", "Time Step", "timestamp"])
+@pytest.mark.parametrize("clock", ["time", "t [s]", "Time (ms)", "run [s]"])
+@pytest.mark.parametrize("first", [True, False])
+def test_a_number_of_the_row_is_no_clock_beside_one(counter, clock, first):
+    """It was read in ms since it came first, so that all speeds were wrong by a factor."""
+    columns = {counter: ROWS, clock: CLOCK, "current [A]": np.sin(ROWS)}
+    header = [*columns] if first else [clock, counter, "current [A]"]
+    assert guess_columns(header, numbers=columns).time.column == clock
+
+
+def test_a_number_of_the_row_is_read_in_place_of_a_clock_that_does_not_rise():
+    for other in (np.zeros(200), CLOCK[::-1]):
+        columns = {"timestep": ROWS, "time": other, "current [A]": np.sin(ROWS)}
+        assert guess_columns(list(columns), numbers=columns).time.column == "timestep"
+
+
+@pytest.mark.parametrize("name", ["timestep", "time", "t", "timestamp"])
+def test_alone_it_is_the_clock(name):
+    for numbers in (ROWS, ROWS - 1.0):
+        columns = {name: numbers, "current [A]": np.sin(ROWS)}
+        assert guess_columns(list(columns), numbers=columns).time.column == name
+
+
+def test_a_time_in_steps_of_its_unit_is_no_number_of_the_row():
+    columns = {"time [ms]": ROWS, "time stamp": CLOCK, "current [A]": np.sin(ROWS)}
+    assert guess_columns(list(columns), numbers=columns).time.column == "time [ms]"

@@ -64,6 +64,7 @@ class SignalMap:
     bits: int = 32  # width of that counter
     maximum_speed: float = math.inf  # rad/s of the shaft that carries the counter
     maximum_acceleration: float = math.inf  # rad/s²
+    wraps_after: float | None = None  # after how many of the column's own units it starts again; None: after a turn
     at_output: bool = False  # whether it refers to the output shaft; the model has the gear ratio
     write_as: str = ""  # the column's name when a trace is written
     magnitude: bool = False  # whether it is a magnitude without sign
@@ -152,9 +153,9 @@ def _signal(check: Checker, name: str, content: Any, motion: str) -> SignalMap:
     counter_keys = _COUNTER_KEYS if name in _POSITIONS else ()
     shaft_key = ("shaft",) if name in AT_EITHER_SHAFT else ()
     magnitude_key = ("magnitude",) if name in MAY_BE_MAGNITUDES else ()
-    less_key = ("less_than",) if name in _POSITIONS else ()
+    position_keys = ("less_than", "wraps_after") if name in _POSITIONS else ()
     keys = ("columns", "unit", "factor", "gain", "write_as", "decimals")
-    keys = (*keys, *shaft_key, *magnitude_key, *less_key, *counter_keys)
+    keys = (*keys, *shaft_key, *magnitude_key, *position_keys, *counter_keys)
     value = check.mapping(content, place, keys, required=("columns",))
     if not isinstance(value["columns"], list) or not value["columns"]:
         raise check.error(f"{place}.columns", "is no list of columns", "write for instance `columns: [r4821]`")
@@ -195,8 +196,23 @@ def _signal(check: Checker, name: str, content: Any, motion: str) -> SignalMap:
         less_than=_column(check, value["less_than"], f"{place}.less_than") if "less_than" in value else None,
         decimals=_decimals(check, value.get("decimals", 0 if is_counter else None), f"{place}.decimals"),
         unit=unit,
+        wraps_after=_wraps_after(check, value, place, name, motion, factor),
         **positive,
     )
+
+
+def _wraps_after(
+    check: Checker, value: Mapping[str, Any], place: str, signal: str, motion: str, factor: float
+) -> float | None:
+    """After how many of its own units, each worth ``factor`` in SI units, a column starts again; None if not told."""
+    if "wraps_after" not in value:
+        return None
+    place = f"{place}.wraps_after"
+    told = check.mapping(value["wraps_after"], place, ("value", "unit"), required=("value", "unit"))
+    units = units_of(signal, motion)
+    unit = check.choice(usual_spelling(told["unit"]), f"{place}.unit", units)
+    after = check.number(told["value"], f"{place}.value", lower=1e-9) * units[unit] / abs(factor)
+    return float(round(after)) if "counts_per_revolution" in value else after
 
 
 def _decimals(check: Checker, content: Any, place: str) -> int | None:

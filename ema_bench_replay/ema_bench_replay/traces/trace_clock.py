@@ -110,7 +110,9 @@ def _refusal(
     values = table.columns[place]
     row = int(back[0] if back.size else repeats[0])
     how, remedy = "goes back", f"cut the file there, it holds more than one run{_reading_runs(table, import_map)}"
-    if back.tolist() == [1]:
+    if 1 < back.size == len(values) - 1 - repeats.size:
+        how, remedy = "falls", "it does so from row to row throughout: sort the rows by their time, or reverse them"
+    elif back.tolist() == [1]:
         remedy = f"only the first row is late: remove line {table.line(0)}"
     if not back.size:
         how, remedy = "repeats", f"{repeats.size} of {len(values)} rows do: export it with more decimals"

@@ -25,7 +25,7 @@ from ema_bench_replay.traces.header_units import contradicted_unit
 from ema_bench_replay.traces.import_map import Column, ImportMap, SignalMap
 from ema_bench_replay.traces.trace_clock import Clock, read_clock
 from ema_bench_replay.traces.trace_table import TraceTable, read_table
-from ema_bench_replay.traces.wrapped_angle import counted_on
+from ema_bench_replay.traces.wrapped_angle import counted_on, unwrapped
 
 # Similarity of two names (difflib's ratio) from which one may be a misspelling of the other.
 _NEARLY_THE_SAME = 0.85
@@ -171,7 +171,9 @@ class _Trace:
         values = self.table.columns[place]
         if signal.less_than:
             values = by_pieces(np.subtract, self._whole(signal.less_than, signal.signal), values)
-        if signal.signal in ("motor_position", "output_position") and self.map.motion == "rotary":
+        if signal.wraps_after:
+            values = self._unwrapped(values, signal.wraps_after, signal.unit or "", self.table.header[place])
+        elif signal.signal in ("motor_position", "output_position") and self.map.motion == "rotary":
             values = self._counted_on(values, 2.0 * np.pi / abs(signal.factor), self.table.header[place])
         if signal.counts_per_revolution:
             values = self._counts(signal, signal.counts_per_revolution, place, values, time)
@@ -196,6 +198,17 @@ class _Trace:
         on, turns = counted_on(values, turn)
         if turns:
             self._warn(f"{name} begins again after {turn:.6g}, a turn, {turns} times: repaired, counted on")
+        return on
+
+    def _unwrapped(self, values: np.ndarray, period: float, unit: str, name: str) -> np.ndarray:
+        """Unwrap a position (n,) that by the map starts again after each ``period``, in its own unit."""
+        on, times_wrapped = unwrapped(values, period)
+        if times_wrapped:
+            after = f"{period:.6g} {unit}".rstrip()
+            self._warn(
+                f"{name} begins again after {after} (`wraps_after` of the map), {times_wrapped} times: repaired, "
+                "counted on"
+            )
         return on
 
     def _counts(

@@ -1,4 +1,4 @@
-"""Unwrap angles that restart after each turn, as absolute encoders show them."""
+"""Unwrap positions that start again after each turn, as absolute encoders show them, or after another period."""
 
 from __future__ import annotations
 
@@ -20,19 +20,36 @@ def counted_on(values: np.ndarray, turn: float) -> tuple[np.ndarray, int]:
     known = by_pieces(lambda part: part[np.isfinite(part)], values)
     if len(known) < 2:
         return values, 0
-    jumps = len(steps_where(lambda steps: np.abs(steps) > _JUMP * turn, known))
+    jumps = _jumps(known, turn)
     least, greatest = extremes(known)
     if not 0 < jumps <= _MOST_JUMPS * len(known) or not _LEAST_SPAN * turn < greatest - least <= _MOST_SPAN * turn:
+        return values, 0
+    return unwrapped(values, turn)
+
+
+def unwrapped(values: np.ndarray, period: float) -> tuple[np.ndarray, int]:
+    """A position (n,) that starts again after each ``period``, in its own unit, counted on; second, how often it did.
+
+    A step of more than half a period is taken for a new start, whatever it looks like.
+    """
+    known = by_pieces(lambda part: part[np.isfinite(part)], values)
+    jumps = _jumps(known, period) if len(known) > 1 else 0
+    if not jumps:
         return values, 0
     went = Column(np.float64)
     more = 0.0  # offset of the unwrapped angle at the end of the previous piece
     for part in overlapping(known):
-        on = np.unwrap(part, period=turn) + more
+        on = np.unwrap(part, period=period) + more
         went.add(on[1:] if went.size else on)  # each later piece begins with the previous one's last value
         more = on[-1] - part[-1]
-    unwrapped = went.finish()
+    whole = went.finish()
     if len(known) == len(values):
-        return unwrapped, jumps
+        return whole, jumps
     on = values.astype(float)
-    on[np.isfinite(values)] = unwrapped
+    on[np.isfinite(values)] = whole
     return on, jumps
+
+
+def _jumps(known: np.ndarray, period: float) -> int:
+    """In how many steps a position (n,) goes farther than half a period."""
+    return len(steps_where(lambda steps: np.abs(steps) > _JUMP * period, known))

@@ -20,7 +20,7 @@ from .shown_draft import (
     say_next,
     say_search,
     say_what_it_rests_on,
-    to_look_at,
+    say_what_to_look_at,
     warn_of_contradicted_names,
     warn_of_foreign_units,
 )
@@ -126,6 +126,7 @@ def run(
         write_text(path, text, force=force)
     guesses = guesses.with_load(drafts.load) if drafts.load is not None else guesses
     guesses = guesses.without(tuple(drafts.left_out)).as_magnitudes(drafts.magnitudes)
+    rests_on = ""
     if traces:
         for guess in guesses.signals:
             say(f"{guess.column} → {guess.signal}{in_unit(guess)}{', a command' if guess.command else ''}")
@@ -133,10 +134,10 @@ def run(
             say(f"{column}: {reason}")
         warn_of_foreign_units(guesses)
         joint = (guesses.joint.sentence,) if guesses.joint.name else ()
-        say_what_it_rests_on(*files, (*joint, *assumed_units(guesses), *drafts.assumed), drafts.known)
+        rests_on = say_what_it_rests_on(*files, (*joint, *assumed_units(guesses), *drafts.assumed), drafts.known)
     for told in (*by_recording(drafts.warnings), *drafts.questions):
         warn(told)
-    say_next(files, drafts, guesses, [quote(str(trace)) for trace in traces] or ["TRACE.csv"], holed)
+    say_next(files, drafts, guesses, [quote(str(trace)) for trace in traces] or ["TRACE.csv"], holed, rests_on)
 
 
 def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Path, force: bool) -> None:
@@ -155,10 +156,10 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
     shaft = Shaft(recordings[0].metadata.get(f"motor_position{AT}", "motor"), given.gear_ratio)
     model = checked_model(recordings, given, shaft, str(traces[0]))
     write_text(place, model.text, force=force)
-    say_what_it_rests_on(map_file, place, model.assumed)
+    rests_on = say_what_it_rests_on(map_file, place, model.assumed)
     for question in model.questions:
         warn(question)
-    say(f"{place}: {to_look_at(model.text)}")
+    say_what_to_look_at(place, model.text, rests_on)
     say("Then:")
     say_search(" ".join(quote(str(trace)) for trace in traces), map_file, place)
 

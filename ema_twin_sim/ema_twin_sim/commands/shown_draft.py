@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 
 _NOTHING = {True: "nothing had to be guessed", False: "no line to check, but a signal is missing: see below"}
+_OPEN = "inertia and friction are open: start values only, which fit or discover replace"
+_MOST_REASONS = 4  # shown of one file
 
 
 def warn_of_contradicted_names(guesses: Guesses) -> None:
@@ -50,8 +52,8 @@ def warn_of_foreign_units(guesses: Guesses) -> None:
             )
 
 
-def say_what_it_rests_on(map_file: Path, place: Path, besides: Sequence[str], known: Sequence[str] = ()) -> None:
-    """Print what the recordings showed of the machine, what the model assumes, and more of both.
+def say_what_it_rests_on(map_file: Path, place: Path, besides: Sequence[str], known: Sequence[str] = ()) -> str:
+    """Print what the recordings showed of the machine, what the model assumes, and more of both; return it too.
 
     More assumptions are in ``besides``, and more that the recordings showed in ``known``.
     """
@@ -60,22 +62,49 @@ def say_what_it_rests_on(map_file: Path, place: Path, besides: Sequence[str], kn
 
     model = load_model(place)
     doubts = doubts_of(model, place.read_text(), map_file.read_text())
-    for text, numbers in (("Known", [*shown(model, doubts), *known]), ("Assumed", assumed(model, doubts))):
-        if numbers:
-            say(f"{text}: {', '.join(numbers)}")
-    for sentence in besides:
-        say(f"Assumed: {sentence}")
+    numbers = {"Known": [*shown(model, doubts), *known], "Assumed": assumed(model, doubts)}
+    lines = [f"{text}: {', '.join(each)}" for text, each in numbers.items() if each]
+    lines += [f"Assumed: {sentence}" for sentence in besides]
+    for line in lines:
+        say(line)
+    return "\n".join(lines)
 
 
-def to_look_at(text: str, *, complete: bool = True) -> str:
-    """How many lines of a draft to check; its first two lines, which explain the mark, do not count.
+def say_what_to_look_at(place: Path, text: str, told: str, *, complete: bool = True) -> None:
+    """Print how many lines of a draft to check, and why each is marked if that was not ``told`` before.
 
-    ``complete``: whether the recordings hold what an analysis needs.
+    Its first two lines, which explain the mark, do not count. ``complete``: whether the recordings hold what an
+    analysis needs.
     """
-    from ..model.check_comment import CHECK
+    from ..model.check_comment import CHECK, START_VALUE
 
-    count = sum(CHECK in line for line in text.splitlines()[2:])
-    return f"{number_of(count, 'line')} to check, marked {CHECK}" if count else _NOTHING[complete]
+    lines = text.splitlines()[2:]
+    count = sum(CHECK in line for line in lines)
+    parts = [f"{number_of(count, 'line')} to check, marked {CHECK}"] if count else []
+    if any(START_VALUE in line for line in lines):
+        parts.append(_OPEN)
+    say(f"{place}: {'; '.join(parts) or _NOTHING[complete]}")
+    reasons = _reasons(lines, told)
+    for reason in reasons[:_MOST_REASONS]:
+        say(f"  {reason}")
+    if len(reasons) > _MOST_REASONS:
+        say(f"  and {len(reasons) - _MOST_REASONS} more: see the file")
+
+
+def _reasons(lines: Sequence[str], told: str) -> list[str]:
+    """Why lines are to be checked, each by the name of its key, without what was ``told`` before.
+
+    What replaces an assumed number was told beside that number.
+    """
+    from ..model.check_comment import CHECK, REMEDIES
+
+    found = []
+    for line in lines:
+        key, mark, reason = line.partition(f"  # {CHECK}: ")
+        parts = [part for part in reason.split("; ") if part not in told and part not in REMEDIES.values()]
+        if mark and parts:
+            found.append(f"{key.strip().partition(':')[0]}: {'; '.join(parts)}")
+    return found
 
 
 def in_unit(guess: Guess) -> str:
@@ -88,16 +117,21 @@ def in_unit(guess: Guess) -> str:
 
 
 def say_next(
-    files: tuple[Path, Path], drafts: Drafts, guesses: Guesses, traces: Sequence[str], holed: tuple[Guess, ...] = ()
+    files: tuple[Path, Path],
+    drafts: Drafts,
+    guesses: Guesses,
+    traces: Sequence[str],
+    holed: tuple[Guess, ...] = (),
+    told: str = "",
 ) -> None:
     """Print what was written and what to do next with the ``traces``, quoted for a shell.
 
-    ``holed`` are columns left out for cells that hold no number.
+    ``told`` was printed before; ``holed`` are columns left out for cells that hold no number.
     """
     trace = " ".join(traces)
     moves = any(guess.signal in ("motor_position", "speed") for guess in guesses.signals)
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
-        say(f"{path}: {to_look_at(text, complete=moves or path != files[0])}")
+        say_what_to_look_at(path, text, told, complete=moves or path != files[0])
     if why := guesses.points_doubt:
         say(f"{why[:1].upper()}{why[1:]}: each row is read as an operating point, at rest or at constant speed.")
     unsigned = " and ".join(guess.column for guess in guesses.signals if guess.magnitude)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+from ema_bench_replay.checked_yaml import decimal_comma
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.units import unit_in
 
@@ -268,7 +269,8 @@ def check_range(value: object, lower: float, upper: float, unit: str, place: str
     try:
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        raise InputError(f"{place}: '{value}' is no number; give one in {unit}") from None
+        said = decimal_comma(value) or f"'{value}' is no number; give one in {unit}"
+        raise InputError(f"{place}: {said}") from None
     if isinstance(value, bool) or not math.isfinite(number) or not lower <= number <= upper:
         named = "" if unit == "1" else f" {unit}"
         raise InputError(f"{place}: {value}{named} is out of range; give {range_words(lower, upper, unit)}")

@@ -145,7 +145,7 @@ def _read_whole(name: str | os.PathLike[str]) -> tuple[dict[str, object], list[P
     """The content of a model file merged over its bases, and the list of files."""
     path = Path(name)
     if path.suffix not in (".yaml", ".yml") and not path.is_file():
-        path = find_configuration("models", f"{name}.yaml")
+        path = find_configuration("models", path if path.is_dir() else f"{name}.yaml")
     content = _read(path)
     files = [path]
     while "base" in content:
@@ -216,7 +216,9 @@ def _model(path: Path, content: Mapping[str, Any]) -> Model:
             elif constant.usual is not None:
                 constants[constant.path] = ConstantValue(constant.usual, 0.0, ABSENT)
             elif not constant.optional:
-                raise check.error(f"{part}.{name}", "is missing", f"give its value in {unit_in(constant.unit, motion)}")
+                unit = unit_in(constant.unit, motion)
+                how = "give its value, a plain number" if unit == "1" else f"give its value in {unit}"
+                raise check.error(f"{part}.{name}", "is missing", how)
     if TORQUE_CONSTANT in constants and isinstance(of_motor := machine.get("torque_constant"), dict):
         shaft = check.choice(of_motor.get("shaft", SHAFTS[0]), f"{TORQUE_CONSTANT}.shaft", SHAFTS)
         if shaft != SHAFTS[0]:  # a joint's torque per ampere includes the gear ratio

@@ -57,6 +57,7 @@ class Guess:
     turned_round: bool = False  # whether its sign is reversed
     magnitude: bool = False  # whether it has no sign
     command: bool = False  # whether it is a command in place of a measurement
+    wraps_after: float | None = None  # after how many of its units it starts again; None: after one turn, or never
 
     @property
     def shaft(self) -> str:

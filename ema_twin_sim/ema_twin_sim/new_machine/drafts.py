@@ -30,8 +30,8 @@ from ..model.constants import CONSTANTS
 from ..quantities import quantity
 from .columns import Guess, Guesses
 from .given import Given
-from .load_by_numbers import load_by_numbers
-from .map_draft import draft_map
+from .load_by_numbers import doubted_motors_torque, load_by_numbers
+from .map_draft import draft_map, wrapped_after
 from .model_draft import ModelDraft, draft_model, farthest
 from .position_beside_speed import not_summed, share_beside_speed, unlike_speed
 from .rows import may_be_points
@@ -105,6 +105,12 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     assumed, shown = [_followed(guess) for guess in guesses.signals if guess.command], []
     if (clock := guesses.time) is not None and clock.doubt and header_words(clock.column).unit is not None:
         assumed.append(f"{clock.column}: {clock.doubt} (if each row is an operating point, give --operating-points)")
+    assumed += [
+        f"{guess.column}: starts again after {wrapped_after(guess)}, as its jumps show, and is counted on there (if "
+        "they are true, remove `wraps_after` from its line of the map)"
+        for guess in guesses.signals
+        if guess.wraps_after
+    ]
     if (share := share_beside_speed(recordings)) > SMALL:
         told = f"{100.0 * share:.0f} % of its way is not the speed's"
         guesses = guesses.with_origin_doubt("motor_position", f"{told}: are both of the same shaft?")
@@ -113,6 +119,11 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
             f"{column['motor_position']}: of the same shaft as {column['speed']}, though {told} (if it is not, remove "
             "one of them and run init again)"
         )
+    unsure, remedy = ("", "") if left_out else doubted_motors_torque(recordings, guesses)
+    if unsure:
+        guesses = guesses.with_doubt("motor_torque", unsure)
+        torque = next(guess.column for guess in guesses.signals if guess.signal == "motor_torque")
+        assumed.append(f"{torque}: the motor's torque, though {unsure.partition(':')[0]} ({remedy})")
     load = next((guess for guess in guesses.signals if guess.signal == "load_torque" and guess.shaft_doubt), None)
     if load is not None:
         assumed.append(

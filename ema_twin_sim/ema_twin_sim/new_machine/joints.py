@@ -28,17 +28,24 @@ Part = tuple[str, ...]
 
 @dataclass(frozen=True)
 class Joint:
-    """The number or name of the joint whose columns are taken, and those of the others; empty if there is only one."""
+    """The number or name of the joint whose columns are taken, and those of the others; empty if there is only one.
+
+    ``undriven`` are those that go farther, but whose current or torque never changes.
+    """
 
     name: str = ""
     others: tuple[str, ...] = ()
+    undriven: tuple[str, ...] = ()
 
     @property
     def sentence(self) -> str:
         """Which joint was chosen and why, and how to choose another."""
         which = f"numbered {self.name}, of" if self.name.isdigit() else f"of {self.name},"
+        why = "the joint with the largest motion"
+        if self.undriven:
+            why += f" of those whose current or torque changes (that of {', '.join(self.undriven)} never does)"
         return (
-            f"the columns {which} the joint with the largest motion; those of {', '.join(self.others)} are not used "
+            f"the columns {which} {why}; those of {', '.join(self.others)} are not used "
             "(to use another joint, remove the others' columns and run init again)"
         )
 
@@ -73,7 +80,10 @@ def one_joint(
     if len(joints) < 2 or _are_one_train([*joints.values()], numbers, by_number):
         return ONE_JOINT, names
     known = {part_in_the_name(part, read.name): part for part, read in joints.items()}
-    chosen = wanted if wanted in known else max(known, key=lambda name: travel(joints[known[name]], numbers))
+    ways = {name: travel(joints[part], numbers) for name, part in known.items()}
+    driven = {name for name, part in known.items() if _is_driven(part, columns, numbers, parts)}
+    chosen = wanted if wanted in known else max(known, key=lambda name: (name in driven, ways[name]))
+    undriven = tuple(name for name in known if name not in driven and chosen in driven and ways[name] > ways[chosen])
     own, others = known[chosen], [part for name, part in known.items() if name != chosen]
     kept = [
         replace(column.read, words=tuple(word for word in column.read.words if word not in own))
@@ -81,7 +91,7 @@ def one_joint(
         if not _is_of_others(parts[column.read.name], own, others)
         and (by_number or not _is_elsewhere(column, parts[column.read.name], own))
     ]
-    return Joint(chosen, tuple(name for name in known if name != chosen)), kept
+    return Joint(chosen, tuple(name for name in known if name != chosen), undriven), kept
 
 
 def _joints(
@@ -104,6 +114,22 @@ def _joints(
         for part, held in found.items()
         if _DRIVES & held.keys() and any(move in held for move in _MOVES)
     }
+
+
+def _is_driven(
+    part: Part, columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray], parts: Mapping[str, Part]
+) -> bool:
+    """Whether a current of a joint changes, or else a torque: one that is moved by another has none to be judged."""
+    own = [c for c in columns if parts[c.read.name] == part and c.read.name in numbers and c.quantity in _DRIVES]
+    measured = [c for c in own if not c.setpoint]
+    currents = [c for c in measured if c.quantity == "current"]
+    return any(_changes(numbers[c.read.name]) for c in currents or measured or own)
+
+
+def _changes(values: np.ndarray) -> bool:
+    """Whether values (n,) change at all; missing ones do not count."""
+    known = values[np.isfinite(values)]
+    return len(known) > 0 and float(np.ptp(known)) > 0.0
 
 
 def _number_of(read: HeaderWords) -> Part:

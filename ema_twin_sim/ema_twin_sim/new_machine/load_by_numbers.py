@@ -1,6 +1,6 @@
 """Which torque is measured behind the machine, though no name says so: the numbers of the current and the motion do.
 
-It is the one torque beside a current, or one beside a torque that the drive computed from the current.
+It is the one torque beside a current, or one beside a torque that is the motor's by its name or by the current.
 """
 
 from __future__ import annotations
@@ -9,9 +9,17 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from ema_bench_replay.recording import Recording
+from ema_bench_replay.units import signal_unit
 
 from .columns import Guess, Guesses
-from .torque_beside_current import counts_against, measured_behind, not_proportional, with_load_as_torque
+from .map_draft import quoted
+from .torque_beside_current import (
+    counts_against,
+    measured_behind,
+    not_filtered,
+    not_proportional,
+    with_load_as_torque,
+)
 
 
 def load_by_numbers(
@@ -23,35 +31,66 @@ def load_by_numbers(
     """
     found = {guess.signal: guess for guess in guesses.signals}
     current, torque = found.get("current"), found.get("motor_torque")
-    if current is None or torque is None or "load_torque" in found:
+    if torque is None or torque.command or torque.magnitude or "load_torque" in found:
         return None, {}
-    if torque.command or torque.magnitude or current.magnitude:
+    if current is not None and current.magnitude:
         return None, {}
-    if not_proportional(recordings) is not None:
-        why = "" if torque.of_motor else _behind(recordings, current)
+    drive = current or torque
+    if current is not None and _differ(recordings):
+        why = "" if torque.of_motor else _behind(recordings, drive)
         return (replace(torque, signal="load_torque", of_output=True, shaft_doubt=why), {}) if why else (None, {})
     left = {}
     for other in guesses.other_torques:
         tried = [with_load_as_torque(recording) for recording in read(guesses.with_load(other))]
-        if not_proportional(tried) is None:
+        if not _differ(tried):
             continue  # the motor's torque once more
-        if why := _behind(tried, current):
+        if why := _behind(tried, drive):
             return replace(other, shaft_doubt=why), {}
+        motors = "is the motor's by its name" if current is None else f"goes with {current.column}"
         left[other.column] = (
-            f"not used: {torque.column} goes with {current.column}, and this one is not shown to be the load (if it "
+            f"not used: {torque.column} {motors}, and this one is not shown to be the load (if it "
             "is, say so in its name, as in 'load torque [N m]', and run init again)"
         )
     return None, left
 
 
-def _behind(recordings: Sequence[Recording], current: Guess) -> str:
-    """Why the motor's torque, as read, is measured behind the machine; empty if nothing shows that."""
+def doubted_motors_torque(recordings: Sequence[Recording], guesses: Guesses) -> tuple[str, str]:
+    """What to check about a torque beside a current that is read as the motor's and may be a load's; empty if nothing.
+
+    Second, what to do if it is the load's, with the line for the map.
+    """
+    found = {guess.signal: guess for guess in guesses.signals}
+    current, torque = found.get("current"), found.get("motor_torque")
+    if current is None or torque is None or torque.of_motor or torque.command or "load_torque" in found:
+        return "", ""
+    share = not_filtered(recordings)
+    if share is None:
+        return "", ""
+    unit = torque.unit or signal_unit("load_torque", guesses.motion)
+    line = f"load_torque: {{columns: [{quoted(torque.column)}], unit: {unit}, shaft: output}}"
+    return (
+        f"{100.0 * share:.0f} % of it does not follow {current.column}: is it the motor's, or a sensor's behind the "
+        "machine?",
+        f"if a sensor behind the machine measured it, replace its line of the map by `{line}`",
+    )
+
+
+def _differ(recordings: Sequence[Recording]) -> bool:
+    """Whether a torque is not that which the drive makes of the current, as far as the numbers tell."""
+    return not_proportional(recordings) is not None or not_filtered(recordings) is not None
+
+
+def _behind(recordings: Sequence[Recording], drive: Guess) -> str:
+    """Why the motor's torque, as read, is measured behind the machine that a current drives; empty if nothing shows it.
+
+    ``drive`` is the column that is read as the current.
+    """
     left = measured_behind(recordings)
     if left is not None:
         return (
             "taken for the load, measured behind the machine, since together with inertia and friction it explains "
-            f"{current.column} ({100.0 * left:.0f} % is left)"
+            f"{drive.column} ({100.0 * left:.0f} % is left)"
         )
     if counts_against(recordings):
-        return f"taken for the load, measured behind the machine, since {current.column} falls when it rises"
+        return f"taken for the load, measured behind the machine, since {drive.column} falls when it rises"
     return ""

@@ -29,7 +29,7 @@ def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
     if guesses.time is not None:
         unit = guesses.time.unit or "s"
         doubt = check_comment(guesses.time.doubt if guesses.time.unit else "the header names no unit")
-        lines.append(f"time: {{column: {_quoted(guesses.time.column)}, unit: {unit}}}{doubt}")
+        lines.append(f"time: {{column: {quoted(guesses.time.column)}, unit: {unit}}}{doubt}")
     if guesses.joint.name:
         lines.append(f"# {CHECK}: {guesses.joint.sentence}")
     lines.append("signals:")
@@ -62,28 +62,43 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
 
     turned = ", factor: -1" if guess.turned_round else ""
     magnitude = ", magnitude: true" if guess.magnitude else ""
+    wraps = f", wraps_after: {_period(guess, motion)}" if guess.wraps_after else ""
+    jumps = f"its jumps are those of a position that starts again after {wrapped_after(guess)}" if wraps else ""
     of_load = guess.signal == "load_torque"
-    why = "the output turns against the motor" if guess.signal.startswith("output") else "it acts against the motion"
-    if of_load:
-        why = "the drive's torque falls when it rises"
+    why = "the drive's torque falls when it rises" if of_load else "it acts against the motion"
+    if guess.signal.startswith("output"):
+        why = "the output turns against the motor"
     sign = f"sign reversed: {why}" if guess.turned_round else ""
     shown = f"  # {sign}" if sign and not of_load else ""  # without a mark: the positions show it
     if guess.unit == COUNTS:
-        doubt = look(guess.doubt if guess.counts else "give the counts per turn, all edges counted")
+        unsure = guess.doubt if guess.counts else "give the counts per turn, all edges counted"
+        doubt = look("; ".join(filter(None, (unsure, jumps))))
         return (
-            f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], counts_per_revolution: "
-            f"{guess.counts or ASSUMED_COUNTS:g}{turned}{of_output}}}{doubt or shown}"
+            f"  {guess.signal}: {{columns: [{quoted(guess.column)}], counts_per_revolution: "
+            f"{guess.counts or ASSUMED_COUNTS:g}{turned}{wraps}{of_output}}}{doubt or shown}"
         )
     unit = guess.unit or signal_unit(guess.signal, motion)
     unsure = guess.doubt if guess.unit else _unit_doubt(guess.column)
     size = "looks like a magnitude without sign: drives no twin" if guess.magnitude else ""
     command = "a command: the drive is assumed to follow it" if guess.command else ""
-    doubt = look("; ".join(filter(None, (unsure, sign if of_load else "", size, command)))) or shown
+    doubt = look("; ".join(filter(None, (unsure, jumps, sign if of_load else "", size, command)))) or shown
     if of_position and not doubt and not of_output and motion != "linear":
         doubt = "  # at the motor's shaft; add `shaft: output` if it is the output's"
-    return (
-        f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], unit: {unit}{turned}{of_output}{magnitude}}}{doubt}"
-    )
+    keys = f"unit: {unit}{turned}{wraps}{of_output}{magnitude}"
+    return f"  {guess.signal}: {{columns: [{quoted(guess.column)}], {keys}}}{doubt}"
+
+
+def wrapped_after(guess: Guess) -> str:
+    """After how much a position starts again, in words."""
+    unit = {None: "of its units", COUNTS: "counts"}.get(guess.unit, guess.unit)
+    return f"{guess.wraps_after:.6g} {unit}"
+
+
+def _period(guess: Guess, motion: str) -> str:
+    """The value of the key for a position that starts again, with a unit."""
+    if guess.unit == COUNTS:
+        return f"{{value: {(guess.wraps_after or 0.0) / (guess.counts or ASSUMED_COUNTS):.10g}, unit: rev}}"
+    return f"{{value: {guess.wraps_after:.10g}, unit: {guess.unit or signal_unit(guess.signal, motion)}}}"
 
 
 def _unit_doubt(column: str) -> str:
@@ -92,7 +107,7 @@ def _unit_doubt(column: str) -> str:
     return f"'{foreign}' is not a known unit" if foreign and not foreign.isdigit() else "no unit in the header"
 
 
-def _quoted(column: str) -> str:
+def quoted(column: str) -> str:
     """A column's name as a regular expression that matches only it, in single quotes.
 
     ``re.escape`` would escape its blanks and hyphens too, which is hard to read.

@@ -115,7 +115,8 @@ def choose_signals(
     torques = sorted(
         told, key=lambda c: (c.shaft != "motor", _is_computed(c, told), not _of_a_current(c, currents, numbers))
     )
-    behind = [c for c in torques if c.shaft == "output" or (c.shaft == "" and currents and _measured_behind(c))]
+    drives = [*currents, *(c for c in told if _may_drive(c))]
+    behind = [c for c in torques if c.shaft == "output" or (c.shaft == "" and drives and _measured_behind(c))]
     take("motor_torque", [c for c in torques if c not in behind])
     take("load_torque", behind)
     for signal, setpoint in (("current", False), ("current_setpoint", True)):
@@ -162,8 +163,12 @@ def _of_one_train(one: Column, other: Column, numbers: Mapping[str, np.ndarray])
 
 
 def other_torques(columns: Sequence[Column], taken: Mapping[str, Column]) -> list[Column]:
-    """Measured torques beside the motor's that may be a load's, though no name says so; none without a current."""
-    if not {"current", "motor_torque"} <= taken.keys() or "load_torque" in taken:
+    """Measured torques beside the motor's that may be a load's, though no name says so.
+
+    Without a current, the motor's torque must be named the motor's: of two others, nothing tells which one drives.
+    """
+    motors = taken.get("motor_torque")
+    if motors is None or "load_torque" in taken or ("current" not in taken and motors.shaft != "motor"):
         return []
     unsaid = [c for c in columns if c.quantity == "torque" and not c.setpoint and c.shaft == ""]
     return [c for c in unsaid if c not in taken.values() and not has_word(c.read.words, FILTERED)]
@@ -180,6 +185,11 @@ def _is_computed(torque: Column, torques: Sequence[Column]) -> bool:
     """Whether a controller computed a torque. "cal" says so beside an estimate only: it may be a calibrated one."""
     estimated = any(has_word(c.read.words, ESTIMATED) for c in torques if c is not torque)
     return has_word(torque.read.words, COMPUTED) or ("cal" in torque.read.words and estimated)
+
+
+def _may_drive(torque: Column) -> bool:
+    """Whether a measured torque may be the motor's, beside which a transducer's is the load."""
+    return torque.shaft != "output" and not _measured_behind(torque) and not has_word(torque.read.words, FILTERED)
 
 
 def _measured_behind(torque: Column) -> bool:

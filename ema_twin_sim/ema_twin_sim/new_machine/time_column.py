@@ -19,7 +19,8 @@ def time_column(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray])
 
     One with both is the clock even if it does not rise: reading it tells what is wrong with it. One with the unit alone
     that goes in uneven steps comes after those that go in even ones, as clocks do, and must not be named something
-    else: the slip of a motor may be given in s as well.
+    else: the slip of a motor may be given in s as well. One that only numbers the rows, as a ``timestep`` may, is the
+    clock if no other column is.
     """
     called = [read for read in names if _is_time(read)]
     others = [read for read in names if read.quantity == "time" and read not in called]
@@ -28,15 +29,23 @@ def time_column(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray])
     rising = [read for read in (*called, *others) if read.name in numbers and (np.diff(numbers[read.name]) > 0.0).all()]
     uneven = [read for read in rising if read not in called and is_uneven(numbers[read.name])]
     clocks = [read for read in called if read.quantity == "time"]
-    by_name = [read for read in rising if read in called]
-    by_steps = [read for read in rising if read not in uneven]
+    counters = [read for read in rising if read.unit is None and _numbers_rows(numbers[read.name])]
+    by_name = [read for read in rising if read in called and read not in counters]
+    by_steps = [read for read in rising if read not in (*uneven, *counters)]
     assumed = [read for read in uneven if not _is_something_else(read)]
+    if not (by_name or by_steps or assumed):
+        by_name = counters
     return next(iter((*by_name, *clocks, *by_steps, *assumed, *called)), None)
 
 
 def is_assumed(time: HeaderWords, numbers: Mapping[str, np.ndarray]) -> bool:
     """Whether a time column has neither the name of a time nor even steps, so that only its unit tells it."""
     return not _is_time(time) and time.name in numbers and is_uneven(numbers[time.name])
+
+
+def _numbers_rows(values: np.ndarray) -> bool:
+    """Whether values (n,) are whole numbers that rise by one from row to row."""
+    return len(values) > 1 and float(values[0]).is_integer() and bool((np.diff(values) == 1.0).all())
 
 
 def _is_something_else(read: HeaderWords) -> bool:

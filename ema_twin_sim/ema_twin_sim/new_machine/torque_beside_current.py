@@ -16,9 +16,11 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..criteria import FEWEST_ROWS, MOSTLY, NEGLIGIBLE, SMALL, TOO_MUCH
+from ..criteria import FEWEST_ROWS, LIKELY, MOSTLY, NEGLIGIBLE, SMALL, TOO_MUCH
 from ..measured.load_sensor import falls_with_load, left_of_the_drive
 from ..reading_noise import reading_noise
+
+_NEIGHBOURS = 5  # samples before and after, over which a drive may filter or delay what it reports
 
 
 class Proportion(NamedTuple):
@@ -69,6 +71,32 @@ def not_proportional(recordings: Sequence[Recording]) -> float | None:
     return found.left if found is not None and found.surely else None
 
 
+def not_filtered(recordings: Sequence[Recording]) -> float | None:
+    """The share of the torque's changes (rms) that the current at and near each sample does not explain; None if small.
+
+    A drive computes its torque of its current, which it may filter or delay: then little is left but both sensors'
+    noise, which is white. What a sensor measures lacks the motor's friction and inertia, so more is left, and that goes
+    with the motion. Operating points, whose rows come in any order, have no neighbours.
+    """
+    shares = [_left_beside_neighbours(_known(r)) for r in recordings if r.has("current", "motor_torque")]
+    return max(filter(None, shares), default=None) if not any(r.of_points for r in recordings) else None
+
+
+def _left_beside_neighbours(both: np.ndarray) -> float | None:
+    """The same of current and torque (2, n) of one recording."""
+    current, torque = both
+    if len(torque) < 2 * _NEIGHBOURS + FEWEST_ROWS or not (_changes(current) and _changes(torque)):
+        return None
+    near = np.lib.stride_tricks.sliding_window_view(current - current.mean(), 2 * _NEIGHBOURS + 1)
+    inner = torque[_NEIGHBOURS:-_NEIGHBOURS] - torque.mean()
+    columns = np.column_stack([near, np.ones(len(near))])
+    rest = inner - columns @ np.linalg.lstsq(columns, inner, rcond=None)[0]
+    left = float(np.std(rest))
+    if left <= max(SMALL * float(np.std(torque)), LIKELY * reading_noise(rest)):
+        return None
+    return left / float(np.std(torque))
+
+
 def measured_behind(recordings: Sequence[Recording]) -> float | None:
     """The share of the current's changes (rms) that the torque as a load and the motion leave; None if that is no load.
 
@@ -95,8 +123,13 @@ def counts_against(recordings: Sequence[Recording]) -> bool:
 
 
 def with_load_as_torque(recording: Recording) -> Recording:
-    """The recording with its load, if it has one, in place of the motor's torque, to be judged as such."""
+    """The recording with its load, if it has one, in place of the motor's torque, to be judged as such.
+
+    Without a current, the motor's torque stands in place of that, whatever its unit: it drives the machine too.
+    """
     signals = {name: values for name, values in recording.signals.items() if not name.endswith("_torque")}
+    if "current" not in signals and recording.has("motor_torque"):
+        signals["current"] = recording.signals["motor_torque"]
     if recording.has("load_torque"):
         signals["motor_torque"] = recording.signals["load_torque"]
     return replace(recording, signals=signals)

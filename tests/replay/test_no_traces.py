@@ -1,0 +1,71 @@
+"""Files that are no traces, or whose time falls: what is wrong with them is said by its name."""
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.errors import InputError, TimeGoesBackError
+from ema_bench_replay.load import load
+from ema_bench_replay.traces.trace_table import read_table
+from tests.trace_text import write_columns
+
+MAP = "version: 1\ntime: {column: time, unit: s}\nsignals:\n  current: {columns: [current], unit: A}\n"
+TIME = np.arange(50) * 0.01
+
+
+def read(tmp_path, time):
+    (tmp_path / "map.yaml").write_text(MAP)
+    file = write_columns(tmp_path / "run.csv", {"time": time, "current": np.sin(np.arange(len(time)))})
+    return load(file, import_map=tmp_path / "map.yaml")
+
+
+@pytest.mark.parametrize("time", [TIME[::-1], np.repeat(TIME[::-1], 2), TIME[:3][::-1]])
+def test_a_time_that_falls_throughout_is_to_be_sorted(tmp_path, time):
+    """It was to be cut, as if it held more than one run."""
+    said = r"time falls .* from row to row throughout: sort the rows by their time, or reverse them"
+    with pytest.raises(TimeGoesBackError, match=said):
+        read(tmp_path, time)
+
+
+@pytest.mark.parametrize("time", [np.tile(TIME, 2), np.concatenate([TIME[::-1], TIME])])
+def test_one_that_also_rises_holds_more_than_one_run(tmp_path, time):
+    with pytest.raises(TimeGoesBackError, match=r"time goes back .* more than one run"):
+        read(tmp_path, time)
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("size", [2_000, 200_000])
+def test_random_bytes_are_no_text(tmp_path, seed, size):
+    """Their rows had the wrong number of cells."""
+    file = tmp_path / "random.csv"
+    file.write_bytes(np.random.default_rng(seed).bytes(size))
+    with pytest.raises(InputError, match="is no text; give the drive's trace exported as CSV"):
+        read_table(file)
+
+
+def test_numbers_of_a_computers_memory_are_no_text_either(tmp_path):
+    file = tmp_path / "memory.csv"
+    file.write_bytes(b"time,current\n" + np.linspace(0.0, 1.0, 3000).tobytes() + b"\n")
+    with pytest.raises(InputError, match="is no text"):
+        read_table(file)
+
+
+ROWS = "".join(f"{k},{k * k}\n" for k in range(40))
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        f"time,Größe [°]\n{ROWS}".encode(),
+        f"time,Größe [°]\n{ROWS}".encode("latin-1"),
+        f"time,angle\n{ROWS}".encode("utf-16"),
+        f"time,angle\n{ROWS}".encode("utf-16-le"),
+        f"time,angle\n{ROWS}".encode("utf-8-sig"),
+        f"時間,電流\n{ROWS}".encode("shift-jis"),
+        f"time,angle\n{ROWS}".encode() + bytes(5000),  # preallocated space
+        f"time,angle\n{ROWS}\x1a".encode(),  # the end of a file in DOS
+    ],
+)
+def test_texts_of_any_encoding_are_text(tmp_path, content):
+    file = tmp_path / "run.csv"
+    file.write_bytes(content)
+    assert len(read_table(file, needed=lambda header: ()).columns[0]) >= 40
