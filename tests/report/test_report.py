@@ -418,6 +418,10 @@ def test_the_command_writes_it(tmp_path, folder, ramp, traces):
     refused("report", ramp, *before_and_after, "-o", tmp_path / "r.pdf", naming=("r.pdf", ".html"))
     refused("report", ramp, *before_and_after[:2], "-o", tmp_path / "s.html", naming=("two models",))
     refused("report", ramp, *before_and_after, "-o", folder / "found.json", naming=("is an input",))
+    other = {**FOUND, "model": "other", "machine": "another", "recordings": [ramp.stem]}
+    (tmp_path / "other.json").write_text(json.dumps(other))
+    foreign = (*before_and_after[:5], tmp_path / "other.json", "-o", tmp_path / "s.html")
+    refused("report", ramp, *foreign, naming=("other.json", "is the result for model other of machine another"))
 
 
 def test_what_puts_every_number_in_doubt_is_right_below_the_verdict(models, recordings, findings):

@@ -12,6 +12,7 @@ from ..effects import catalogue
 from ..listing import listed, number_of
 from ..quantities import MOST_TIMES, limited_factor, quantity
 from ..words.findings import UnseenErrors
+from ..words.origin import names_of
 from ..words.sentences import (
     NO_RUNNER_UP,
     NOT_IN_CATALOGUE,
@@ -210,6 +211,10 @@ def _sure(content: Content) -> list[Markup]:
         lines.append("No other effect of the catalogue explains these recordings as well.")
     if findings.unseen is not None and len(findings.unseen.recordings) > 1:
         lines.append("The effects were judged on recordings that were not used for fitting.")
+    names = [recording.name for recording in content.given.recordings]
+    for said, result in (("search", findings), ("fit", content.fit)):
+        if result is not None and result.origin is not None and result.origin.differs(names):
+            lines.append(f"{result.origin.sentence(said)} Those of this page are {names_of(names)}.")
     return [items(*lines)]
 
 
