@@ -26,10 +26,10 @@ from ..words.sentences import (
     verdict_of,
     why_step,
 )
+from ..words.setpoint_shift import shift_sentence
 from .backwards import backwards, gone_effects, searched_model
 from .content import Content, Shown, dates, signal_words
 from .difference import NewEffect, new_effects
-from .lag import lag_sentence
 from .markup import Markup, capitalised, items, joined, table, tag
 
 WITHIN = 0.5
@@ -238,7 +238,7 @@ def _left(content: Content) -> list[Markup]:
         rmse = quantity(error["rmse"], error["unit"])
         where = next((found.sentence() for found in second.where if found.signal == name), "")
         if name == "output_position":
-            where = f"{where} {lag_sentence(content.given, content.models[1], 1)}".strip()
+            where = f"{where} {shift_sentence(second)}".strip()
         noise = "the sensors' noise"
         if not is_noise(error):
             noise = f"{times_words(times_noise(error))} {noise}"
