@@ -114,7 +114,9 @@ def input_names(incomplete: str) -> list[str]:
 
 
 def of_json(path: Path | None) -> Path | None:
-    """A path for JSON; a usage error if a file is there that holds something else, which would be lost."""
+    """A path for JSON; a usage error if it is a folder, or a file that holds something else, which would be lost."""
+    if path is not None and path.is_dir():
+        raise typer.BadParameter(f"{path} is a folder; name a file")
     if path is not None and path.is_file():
         try:
             text = path.read_text("utf-8-sig")
