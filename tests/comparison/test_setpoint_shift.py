@@ -43,6 +43,10 @@ def test_it_is_not_told_where_something_else_is_most_of_the_error_or_the_current
     assert told(sums(), "current") is None
 
 
+def test_a_twin_that_runs_away_is_not_said_to_be_late():
+    assert told(sums(motor=0.119, output=0.119)) is None
+
+
 def test_samples_that_are_not_known_do_not_count():
     residual = np.where(TIME < 1.0, np.nan, SHIFT * SPEED)
     assert told({"motor_position": ShiftSums.of(residual, SPEED, 1.0)}).seconds == pytest.approx(SHIFT)

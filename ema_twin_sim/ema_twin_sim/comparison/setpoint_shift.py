@@ -13,6 +13,8 @@ from ema_bench_replay.long_columns import pieces
 from ..criteria import MOSTLY
 
 POSITIONS = ("motor_position", "output_position")
+_MOST_SAMPLES = 3.0
+"""The longest shift that a drive's cycle explains; a longer one is a position loop, or a draft whose twin runs away."""
 _ALIKE = 0.5  # of the output's error: what the encoders may differ by and still show the same
 
 
@@ -50,8 +52,9 @@ def setpoint_shift(
 ) -> SetpointShift | None:
     """The shift that makes up most of the position error; ``sums`` are those of each recording, by encoder.
 
-    None if the setpoint does not drive the twin, if the error is mostly something else, or if the encoders show
-    different errors: then it is an encoder's. ``period`` [s] is that of the samples, ``ratio`` the gear ratio.
+    None if the setpoint does not drive the twin, if the error is mostly something else or the shift longer than a
+    drive's cycles, or if the encoders show different errors: then it is an encoder's. ``period`` [s] is that of the
+    samples, ``ratio`` the gear ratio.
     """
     if source != "setpoint":
         return None
@@ -71,4 +74,5 @@ def setpoint_shift(
         if abs(motor - output) > _ALIKE * output:
             return None
     seconds = total.along / total.speed
-    return SetpointShift(seconds, abs(seconds) / period, by_both)
+    samples = abs(seconds) / period
+    return SetpointShift(seconds, samples, by_both) if samples <= _MOST_SAMPLES else None

@@ -29,4 +29,5 @@ def shift_sentence(comparison: Comparison) -> str:
 def shift_words(shift: SetpointShift) -> str:
     """``679 µs (0.7 of a sample) earlier``."""
     when = "earlier" if shift.seconds > 0.0 else "later"
-    return f"{quantity(abs(shift.seconds), 's', 2)} ({shift.samples:.1f} of a sample) {when}"
+    samples = f"{shift.samples:.1f} {'of a sample' if shift.samples < 1.0 else 'samples'}"
+    return f"{quantity(abs(shift.seconds), 's', 2)} ({samples}) {when}"
