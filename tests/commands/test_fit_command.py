@@ -97,6 +97,10 @@ def test_the_command_refuses(fitted, traces, tmp_path):
     refused("fit", traces[0], *start, "-o", folder / "start.yaml", "--force", naming=("is an input",))
     refused("fit", traces[0], *start, "-o", tmp_path / "new.txt", naming=("named .yaml",))
     refused("fit", traces[0], *start, "-o", tmp_path / "n.yaml", "--fix", "effects.nothing", naming=("no such number",))
+    line = refused(
+        "fit", traces[0], *start, "-o", tmp_path / "n.yaml", "--free", "machine.zzz", naming=("of machine it has",)
+    )
+    assert "…" not in line and "motor_inertia" in line
     assert not list(tmp_path.iterdir())
 
 

@@ -111,11 +111,11 @@ def test_why_a_step_is_kept_whose_simulated_error_grew_is_told_where_one_is():
     [
         (
             "triangle:0.006:6 for 25 s: asymmetric_friction and a model without it would come apart by 6 standard "
-            "deviations, all along",
+            "deviations, over the whole recording",
             "linear",
             "triangle:0.006:6 for 25 s (position of the output: a triangle of ±0.006 m/s that turns every 6 s). "
-            "Asymmetric friction and a model without it would come apart by 6 standard deviations of the noise, all "
-            "along.",
+            "Asymmetric friction and a model without it would come apart by 6 standard deviations of the noise, "
+            "over the whole recording.",
         ),
         ("a motion, slow and fast, in both directions", "rotary", "a motion, slow and fast, in both directions"),
         ("", "rotary", ""),
