@@ -128,7 +128,7 @@ def of_json(path: Path | None) -> Path | None:
 
 SECONDS = number(-LARGEST, LARGEST, "s")
 
-Runs = Annotated[list[Path], typer.Argument(metavar="RUN", help="Recordings: MCAP files, CSVs, or folders of either.")]
+Runs = Annotated[list[Path], typer.Argument(metavar="RUN…", help="Recordings: MCAP files, CSVs, or folders of either.")]
 Run = Annotated[Path, typer.Argument(metavar="RUN", help="A recording: MCAP file, folder that import wrote, or CSV.")]
 Models = Annotated[
     list[str],
