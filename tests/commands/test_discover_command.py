@@ -82,7 +82,8 @@ def test_its_json_has_what_the_design_lists(content):
     assert width["unit"] == "rad" and width["value"] == pytest.approx(0.004, rel=0.02) and width["std"] > 0.0
     inertia = content["constants"]["machine"]["motor_inertia"]
     assert inertia["nominal"] == pytest.approx(7.7e-4) and inertia["unit"] == "kg m^2" and inertia["std"] > 0.0
-    for name in ("groups", "depends_on", "next_recording", "warnings"):
+    assert (content["model"], content["machine"]) == ("polito_bench", "politecnico_ema")
+    for name in ("groups", "depends_on", "next_recording", "warnings", "recordings"):
         assert name in content
 
 
@@ -185,6 +186,7 @@ def test_a_diagnosis_of_two_effects(tmp_path, stock):
     outputs = ("--json", tmp_path / "d.json", "--evidence", tmp_path / "d.mcap")
     text = done("diagnose", *runs, *MODEL, *outputs).stdout
     content = json.loads((tmp_path / "d.json").read_text())
+    assert content["model"] == "polito_bench" and content["recordings"] == [run.stem for run in runs]
     assert content["verdict"] in hidden and text.startswith("Your model lacks ")
     assert all(words in text.splitlines()[0] for words in ("cogging", "Stribeck friction"))
     ranking = content["ranking"]

@@ -74,6 +74,7 @@ def test_the_command_prints_numbers_with_units_and_standard_errors(fitted):
 def test_the_command_writes_what_the_design_lists(fitted):
     content = json.loads((fitted[0] / "fit.json").read_text())
     assert content["method"] == "equation"
+    assert (content["model"], content["machine"]) == ("start", "politecnico_ema") and len(content["recordings"]) > 0
     entry = content["parameters"]["stribeck_friction"]
     assert (entry["effect"], entry["options"]) == ("stribeck_friction", {"law": "exponential"})
     assert entry["speed"]["unit"] == "rad/s" and entry["speed"]["std"] > 0.0
@@ -96,6 +97,10 @@ def test_the_command_refuses(fitted, traces, tmp_path):
     refused("fit", traces[0], *start, "-o", folder / "start.yaml", "--force", naming=("is an input",))
     refused("fit", traces[0], *start, "-o", tmp_path / "new.txt", naming=("named .yaml",))
     refused("fit", traces[0], *start, "-o", tmp_path / "n.yaml", "--fix", "effects.nothing", naming=("no such number",))
+    line = refused(
+        "fit", traces[0], *start, "-o", tmp_path / "n.yaml", "--free", "machine.zzz", naming=("of machine it has",)
+    )
+    assert "…" not in line and "motor_inertia" in line
     assert not list(tmp_path.iterdir())
 
 

@@ -4,9 +4,11 @@ import errno
 import tempfile
 
 import pytest
+import typer
 
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.commands.inputs import load_runs, refuse_inputs
+from ema_twin_sim.commands.options import of_json
 from ema_twin_sim.listing import by_recording
 
 MAP = """version: 1
@@ -47,6 +49,14 @@ def test_of_many_recordings_some_are_named():
         "run_0.csv: late",
     ]
     assert by_recording(many[:5])[0].endswith("run_3.csv and run_4.csv: cut")
+
+
+def test_an_output_that_is_a_folder_is_refused_before_anything_is_computed(tmp_path):
+    with pytest.raises(InputError, match="is a folder; name a file"):
+        refuse_inputs([], None, tmp_path)
+    refuse_inputs([], None, tmp_path / "new.yaml", folder=tmp_path)
+    with pytest.raises(typer.BadParameter, match="is a folder; name a file"):
+        of_json(tmp_path)
 
 
 @pytest.mark.parametrize(

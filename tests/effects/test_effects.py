@@ -139,6 +139,12 @@ def test_an_unknown_effect_offers_the_nearest():
         find_effect("backlsh", "test")
 
 
+@pytest.mark.parametrize(("id", "said"), [("nosuch", "; if it is your own"), ("backlsh", r"'\? If it is your own")])
+def test_what_to_do_about_an_unknown_effect_is_one_sentence(id, said):
+    with pytest.raises(InputError, match=said):
+        find_effect(id, "test")
+
+
 def test_an_effect_that_does_not_act_is_refused():
     table = (Parameter("torque", "N m", 0.1, 0.0, 1.0, "level"),)
     with pytest.raises(ValueError, match="give act or settle"):

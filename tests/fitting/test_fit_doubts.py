@@ -24,6 +24,13 @@ def test_a_fit_that_is_farther_from_its_own_recordings_says_by_how_much_and_what
     assert "Keep the model as it was" in note and "speed" not in note
 
 
+def test_a_fit_that_is_nearer_in_what_compare_judges_by_is_not_advised_against():
+    own = errors(0.0052, 0.13), errors(0.0041, 0.16)
+    (note,) = no_nearer(*own, *own, by_equation=False, hit=False)
+    assert note.startswith("the error of the current falls from 5.20 mA to 4.10 mA, but that of the speed grows from ")
+    assert "discover tells, if it has not looked yet" in note and "Keep" not in note
+
+
 def test_the_equation_leaves_out_standstill_which_the_errors_count():
     (note,) = no_nearer(
         errors(0.016, 0.5), errors(0.018, 0.4), errors(1.0, 1.0), errors(0.5, 0.5), by_equation=True, hit=False

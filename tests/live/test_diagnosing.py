@@ -16,7 +16,7 @@ from ema_bench_replay.nodes.sample_codec import FIELDS, State
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.commands.live_keys import Keys, told
 from ema_twin_sim.discovery.cautions import ALONE
-from ema_twin_sim.live.diagnosing.apply import NotDiagnosed, settings_for
+from ema_twin_sim.live.diagnosing.apply import Busy, NotDiagnosed, settings_for
 from ema_twin_sim.live.diagnosing.frames import Answer, Job, receive_answer, receive_job, send
 from ema_twin_sim.live.diagnosing.judge import settings_between, still_missing
 from ema_twin_sim.live.diagnosing.worker_process import WorkerProcess
@@ -217,6 +217,8 @@ class Services:
         self.found, self.words, self.refused = found, words, refused
 
     def diagnose(self):
+        if self.refused is not None:
+            raise self.refused
         return self.found
 
     def apply(self, effects):
@@ -234,7 +236,8 @@ OF_BOTH = {
 class TestTheKeysOfALiveRun:
     def pressed(self, key, capsys, services, **options):
         keys = Keys(threading.Event(), **options)
-        keys.begin(SimpleNamespace(diagnosis_services=services, comparison=SimpleNamespace(beyond_noise={})))
+        comparison, model = SimpleNamespace(beyond_noise={}), SimpleNamespace(motion="rotary")
+        keys.begin(SimpleNamespace(diagnosis_services=services, comparison=comparison, model=model))
         keys.press(key)
         for thread in keys._threads:
             thread.join()
@@ -265,6 +268,17 @@ class TestTheKeysOfALiveRun:
         said = self.pressed("a", capsys, Services(refused=NotDiagnosed("call monitor/diagnose first")))
         assert "press d to diagnose first" in said and "monitor/diagnose" not in said
         assert "nothing to add" in self.pressed("a", capsys, Services(refused=InputError("nothing to add")))
+
+    @pytest.mark.parametrize("key", ["a", "d"])
+    def test_a_key_while_a_diagnosis_runs_is_answered_for_a_person(self, capsys, key):
+        said = self.pressed(key, capsys, Services(refused=Busy("call again")))
+        assert "wait for its result, then press the key again" in said and "call again" not in said
+
+    def test_what_to_record_is_in_words(self):
+        why = "stribeck_friction(law=exponential) and a model without it would come apart by 29 standard deviations"
+        found = {**OF_BOTH, "next_recording": f"ramp:0.05 for 12 s: {why}, over the whole recording"}
+        line = next(line for line in told(diagnosis_message(found, 0, 1, 12.0), {}) if line.startswith("To confirm"))
+        assert "Stribeck friction (law exponential) and a model" in line and "over the whole recording" in line
 
     def test_what_was_added_is_told_with_the_constants_and_where_it_is_kept(self, capsys):
         services = Services(words="backlash width 4.0 mrad; and 7 constants refitted")

@@ -34,6 +34,7 @@ def test_signals_that_fit_each_other_are_left_in_peace(driven, stock):
     [
         ({"speed": 1.0 / DEGREE}, ("speed is 57.3 times", "speed were in degrees")),
         ({"speed": 30.0 / math.pi}, ("speed is 9.5", "speed were in rpm")),
+        ({"motor_position": 1000.0}, ("motor_position is 1000 times", "motor_position were in mrad and read as rad")),
         ({"motor_position": 4.0}, ("motor_position is 4", "counts_per_revolution of motor_position", "fourfold")),
         ({"motor_position": 0.25}, ("motor_position is 0.25", "four twice")),
         ({"output_position": 4.0}, ("output_position is 4", "fourfold", "machine.gear_ratio")),

@@ -19,12 +19,12 @@ from ema_twin_sim.report.backwards import backwards
 from ema_twin_sim.report.chart import Charts
 from ema_twin_sim.report.content import Content, dates, shown
 from ema_twin_sim.report.envelope import envelope_rows
-from ema_twin_sim.report.lag import lag_sentence
 from ema_twin_sim.report.markup import table, tag
 from ema_twin_sim.report.page import page
 from ema_twin_sim.report.ranking import signature_chart, told_signatures
 from ema_twin_sim.words.findings import Signature, read_findings
 from ema_twin_sim.words.sentences import removed_words
+from ema_twin_sim.words.setpoint_shift import shift_sentence
 from tests.command_line import done, refused
 from tests.recorded import record, with_signals
 
@@ -418,6 +418,10 @@ def test_the_command_writes_it(tmp_path, folder, ramp, traces):
     refused("report", ramp, *before_and_after, "-o", tmp_path / "r.pdf", naming=("r.pdf", ".html"))
     refused("report", ramp, *before_and_after[:2], "-o", tmp_path / "s.html", naming=("two models",))
     refused("report", ramp, *before_and_after, "-o", folder / "found.json", naming=("is an input",))
+    other = {**FOUND, "model": "other", "machine": "another", "recordings": [ramp.stem]}
+    (tmp_path / "other.json").write_text(json.dumps(other))
+    foreign = (*before_and_after[:5], tmp_path / "other.json", "-o", tmp_path / "s.html")
+    refused("report", ramp, *foreign, naming=("other.json", "is the result for model other of machine another"))
 
 
 def test_what_puts_every_number_in_doubt_is_right_below_the_verdict(models, recordings, findings):
@@ -458,14 +462,14 @@ def test_a_shift_between_setpoint_and_motion_is_told_as_what_it_is(stock, shift,
         for name, values in run.signals.items()
     }
     given = shown([with_signals(run, moved)], (stock, stock))
-    told = lag_sentence(given, stock, 1)
+    told = shift_sentence(given.comparisons[1])
     assert f"setpoint 200 µs ({0.2e-3 / run.sample_period:.1f} of a sample) {when} than the twin" in told.replace(
         "0.20 ms", "200 µs"
     )
     assert told in Read(page(Content((stock, stock), ("a", "b"), given, None, None, "1.2.3"))).text
     one = {**moved, "motor_position": run.signals["motor_position"]}
     for signals in (run.signals, one):  # without a shift, and with one of an encoder alone
-        assert not lag_sentence(shown([with_signals(run, signals)], (stock, stock)), stock, 1)
+        assert not shift_sentence(compare([with_signals(run, signals)], stock))
 
 
 def test_axes_leave_out_a_guess_that_hides_the_rest_and_say_so(models, recordings, written):

@@ -54,9 +54,18 @@ def test_a_file_of_points(tmp_path):
     ],
 )
 def test_what_is_no_command_is_refused_with_the_forms(text):
-    with pytest.raises(InputError, match=r"ramp:SPEED|text file") as refused:
+    with pytest.raises(InputError, match=r"ramp:SPEED|give sine:SIZE:HZ|text file") as refused:
         parse_command(text)
     assert text in str(refused.value)
+
+
+@pytest.mark.parametrize("text", ["sine:0.05:500", "triangle:0.05:0.0009"])
+def test_a_command_faster_than_the_samples_show_is_refused(text):
+    """A sine at half the sampling rate was recorded as a standstill, without a word."""
+    model = load_model("polito_bench").with_value("sensors.sample_period", 1e-3)
+    with pytest.raises(InputError, match="1000 samples a second show no more than 500; give a slower one"):
+        virtual_bench(model, parse_command(text), 1.0)
+    assert parse_command("step:0.1:0.5").frequency == 1.0 and parse_command("ramp:0.1").frequency == 0.0
 
 
 def test_a_command_that_grows_too_large_is_refused(tmp_path):
@@ -93,5 +102,5 @@ def test_numbers_of_a_linear_machine_are_in_metres():
     recording = virtual_bench(load_model("emps"), parse_command("ramp:0.05"), 1.0, seed=None)
     assert recording.motion == "linear"
     assert recording.signals["output_command"][-1] == pytest.approx(0.05)
-    with pytest.raises(InputError, match=r"takes 1 number \[rad/s or m/s\]"):
+    with pytest.raises(InputError, match=r"takes 1 number; give ramp:SPEED, in rad/s \(m/s if the machine is linear\)"):
         parse_command("ramp:1:2")

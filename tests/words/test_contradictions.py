@@ -133,7 +133,7 @@ def test_fit_leaves_it_to_diagnose_what_is_missing():
     (note,) = still_far({"speed": error}, False)
     left, what_to_do = note.split(": ")
     assert left == "what is left of the speed is 11 times the sensors' noise"
-    assert what_to_do == "diagnose tells whether an effect is missing"
+    assert what_to_do == "compare tells what it depends on, diagnose whether an effect is missing"
 
 
 def test_as_many_constants_are_refitted_as_a_difference_shows(stock):

@@ -87,6 +87,12 @@ def declare(node: Node, declarations: Iterable[Declaration]) -> dict[str, Any]:
     values = {}
     for declaration in declarations:
         default = declaration.default
+        asked = node._parameter_overrides.get(declaration.name)  # rclpy has no public way to see them
+        try:
+            if asked is not None:  # rclpy's own refusal gives the range a second time, without the unit
+                declaration.checked(asked.value)
+        except InputError as error:
+            raise InputError(f"{node.get_name()}: {error}") from None
         try:
             given = node.declare_parameter(
                 declaration.name, list(default) if isinstance(default, tuple) else default, declaration.descriptor()

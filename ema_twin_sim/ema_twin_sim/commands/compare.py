@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from . import options
-from .output import counted, status
+from .output import counted, say, status
 from .shown_comparison import show_comparison
 
 EXAMPLES = """Examples:
@@ -36,6 +36,7 @@ def run(
     from ..comparison.compare import compare_all
     from ..model import load_model
     from ..own_effects import load_effects
+    from ..words.open_values import open_values_sentence
     from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, with_noise_told, write_json
     from .judged import warn_of
     from .rerun_file import check_rrd_name, tell_of_rrd, write_rrd
@@ -58,6 +59,9 @@ def run(
         )
     misread = dict.fromkeys(text for c in comparisons for text in c.misread)
     warn_of(misread, recordings)
+    for given in models:
+        if said := open_values_sentence(given):
+            say(said)
     show_comparison(comparisons, labels=model, start=start or 0.0)
     warned = dict.fromkeys(text for c in comparisons for text in c.warnings)
     warn_of(warned, recordings, told=misread)

@@ -18,8 +18,8 @@ ema-twin fit runs/*.CSV --model better.yaml -o fitted.yaml --fix effects.backlas
 
 ema-twin fit run.mcap --model mine.yaml -o fitted.yaml --free sensors.speed_smoothing
 
-Paths are those of the ROS parameters: effects.backlash.width, machine.motor_inertia; effects.backlash names both\
- of its numbers."""
+Paths are those of the ROS parameters: effects.backlash.width, machine.motor_inertia; effects.stribeck_friction\
+ names all of its numbers."""
 
 
 def run(

@@ -28,7 +28,9 @@ ema-twin import rigs.mcap --topic /rig7/bench/state -o recordings"""
 
 
 def run(
-    files: Annotated[list[Path], typer.Argument(metavar="RUN.CSV", help="CSV traces of the drive; with --topic bags.")],
+    files: Annotated[
+        list[Path], typer.Argument(metavar="RUN.CSV…", help="CSV traces of the drive; with --topic bags.")
+    ],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder to write to.")] = Path(
         "recordings"
     ),

@@ -150,13 +150,17 @@ def input_files(
     return files
 
 
-def refuse_inputs(inputs: Sequence[Path], *outputs: Path | None) -> None:
-    """Raise InputError, before anything is computed, if an output is an input or another output (under any name), or
-    cannot be written.
+def refuse_inputs(inputs: Sequence[Path], *outputs: Path | None, folder: Path | None = None) -> None:
+    """Raise InputError, before anything is computed, if an output is an input or another output (under any name), is a
+    folder, or cannot be written.
+
+    ``folder`` is an output that is a folder.
     """
     taken = {file.resolve(): f"an input ({file})" for file in inputs}
-    for output in outputs:
+    for output in (*outputs, folder):
         if output is not None:
+            if output is not folder and output.is_dir():
+                raise InputError(f"{output}: is a folder; name a file")
             if output.resolve() in taken:
                 raise InputError(f"{output}: is {taken[output.resolve()]}; choose another name for the output")
             taken[output.resolve()] = "another output too"

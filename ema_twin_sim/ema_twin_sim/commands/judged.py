@@ -71,4 +71,4 @@ def write_findings(json: Path | None, findings: Mapping[str, object], found: Dis
     if json is not None:
         from ..discovery.evidence import evidence_json
 
-        write_json(json, {**findings, "evidence": evidence_json(found)})
+        write_json(json, {**found.origin, **findings, "evidence": evidence_json(found)})

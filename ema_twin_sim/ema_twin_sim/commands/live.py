@@ -121,7 +121,7 @@ def run(
 
     bag = None if record is None else record / f"{record.name}.mcap"
     inputs = input_files([run] if run is not None else [], [model], import_map, with_files)
-    refuse_inputs(inputs, json, rrd, record, bag, output)
+    refuse_inputs(inputs, json, rrd, bag, output, folder=record)
     check_rrd_name(rrd)
     if output is not None:
         check_model_name(output)

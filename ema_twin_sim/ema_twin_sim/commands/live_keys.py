@@ -15,6 +15,7 @@ from ema_bench_replay.errors import InputError
 
 from ..discovery.cautions import ALONE
 from ..quantities import estimate
+from ..words.next_recording import recording_words
 from ..words.sentences import beyond_words, effect_words
 from .output import console, say
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from .live_view import LiveView
 
 _HINT = "Keys: d diagnose   a add the effects found   q quit"
+_BUSY = "A diagnosis is still being computed or added: wait for its result, then press the key again."
 _ESCAPE = "\x1b"
 _AT_ONCE = 64  # bytes
 _SHOWN = 3
@@ -101,24 +103,33 @@ class Keys:
             self.press(key)
 
     def _diagnose(self) -> None:
+        from ..live.diagnosing.apply import Busy
+
         say("Diagnosing; this takes some seconds …", style="cyan")
         try:
             found = self._services().diagnose()
+        except Busy:
+            say(_BUSY, style="yellow")
+            return
         except (InputError, RuntimeError) as error:  # RuntimeError also from rclpy, if the run ends meanwhile
             say(f"No diagnosis: {error}", style="yellow")
             return
-        lines = told(found, self._beyond())
+        motion = "rotary" if self._monitor is None else self._monitor.model.motion
+        lines = told(found, self._beyond(), motion)
         for line in lines:
             say(line, style="bold green")
         self._tell(lines[0])
 
     def _apply(self) -> None:
-        from ..live.diagnosing.apply import NotDiagnosed
+        from ..live.diagnosing.apply import Busy, NotDiagnosed
 
         try:
             words = self._services().apply([])
         except NotDiagnosed:
             say("Nothing to add yet: press d to diagnose first.", style="yellow")
+            return
+        except Busy:
+            say(_BUSY, style="yellow")
             return
         except (InputError, RuntimeError) as error:  # RuntimeError also from rclpy, if the run ends meanwhile
             say(f"Nothing added: {error}", style="yellow")
@@ -145,10 +156,11 @@ class Keys:
             self._view.tell_now(text)
 
 
-def told(found: Diagnosis, beyond: Mapping[str, float]) -> list[str]:
+def told(found: Diagnosis, beyond: Mapping[str, float], motion: str = "rotary") -> list[str]:
     """A diagnosis in a few lines: what is missing, the likeliest effects, and what to record next.
 
-    ``beyond`` holds the signals whose error exceeds the sensors' noise in the last window, and by what factor.
+    ``beyond`` holds the signals whose error exceeds the sensors' noise in the last window, and by what factor;
+    ``motion`` is that of the machine.
     """
     effects = [entry for entry in found.ranking if entry.found]
     names = " and ".join(effect_words(entry.id) for entry in effects)
@@ -166,7 +178,7 @@ def told(found: Diagnosis, beyond: Mapping[str, float]) -> list[str]:
     if effects:
         lines.append(f"Press a to add {'them' if len(effects) > 1 else 'it'} to the running twin.")
     if found.next_recording:
-        lines.append(f"To confirm, record {found.next_recording}")
+        lines.append(f"To confirm, record {recording_words(found.next_recording, motion)}")
     # leave out ALONE, which asks for more recordings: a live run has only one
     return [*lines, *(warning for warning in found.warnings if warning not in ALONE)]
 

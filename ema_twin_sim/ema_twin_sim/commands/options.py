@@ -114,7 +114,9 @@ def input_names(incomplete: str) -> list[str]:
 
 
 def of_json(path: Path | None) -> Path | None:
-    """A path for JSON; a usage error if a file is there that holds something else, which would be lost."""
+    """A path for JSON; a usage error if it is a folder, or a file that holds something else, which would be lost."""
+    if path is not None and path.is_dir():
+        raise typer.BadParameter(f"{path} is a folder; name a file")
     if path is not None and path.is_file():
         try:
             text = path.read_text("utf-8-sig")
@@ -126,7 +128,7 @@ def of_json(path: Path | None) -> Path | None:
 
 SECONDS = number(-LARGEST, LARGEST, "s")
 
-Runs = Annotated[list[Path], typer.Argument(metavar="RUN", help="Recordings: MCAP files, CSVs, or folders of either.")]
+Runs = Annotated[list[Path], typer.Argument(metavar="RUN…", help="Recordings: MCAP files, CSVs, or folders of either.")]
 Run = Annotated[Path, typer.Argument(metavar="RUN", help="A recording: MCAP file, folder that import wrote, or CSV.")]
 Models = Annotated[
     list[str],

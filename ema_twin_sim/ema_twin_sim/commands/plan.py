@@ -14,7 +14,7 @@ from ..listing import listed
 from ..words.next_recording import rival_words, spoken
 from ..words.sentences import dependence_words, effect_words
 from . import options
-from .output import console, status, unfolded
+from .output import console, say, status, unfolded
 from .tables import ReportTable
 
 if TYPE_CHECKING:
@@ -46,7 +46,12 @@ def run(
     model: options.ModelName,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", metavar="COMMAND.yaml", help="Also write the command, for simulate --command."),
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="COMMAND.yaml",
+            help="Also write the command, for simulate --command. No file is written if there is nothing to propose.",
+        ),
     ] = None,
     max_speed: Annotated[
         float | None,
@@ -114,7 +119,7 @@ def run(
                 )
         _show_how(found.proposal, model, given.model, output, with_files or ())
     elif output is not None:
-        unfolded(f"\n{output} is not written: there is no command to write.")
+        say(f"\nThere is no command to propose, so {output} was not written.")
     warn_of(found.warnings, given.recordings)
     write_json(json, found.as_json())
 

@@ -83,6 +83,7 @@ def run(
     from ..report.fitted import check_same_effects
     from ..words.findings import read_findings
     from ..words.fit_findings import read_fit_findings
+    from ..words.origin import refuse_foreign
     from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, with_noise_told
 
     if len(model) not in (2, 3):
@@ -104,8 +105,12 @@ def run(
     models = [with_noise_told(recordings, given) for given in models]
     apart = load_runs(held_out, import_map=import_map, strict=strict, least=2) if held_out else []
 
+    names = [recording.name for recording in recordings]
     fitting = read_fit_findings(fit) if fit else None
     findings, undiagnosed = (read_findings(discovery), "") if discovery else (None, "")
+    for option, file, result in (("--discovery", discovery, findings), ("--fit", fit, fitting)):
+        if file is not None and result is not None:
+            refuse_foreign(option, file, result.origin, models, names)
     with status() as progress:
         if discovery is None:
             findings, undiagnosed, recordings = _searched(recordings, models[0], progress)

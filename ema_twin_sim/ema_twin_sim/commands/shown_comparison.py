@@ -15,6 +15,7 @@ from ..quantities import quantity
 from ..words.decisive import decisive_sentence
 from ..words.error_cells import ALL, error_cell, noise_cell
 from ..words.sentences import by_number, input_words
+from ..words.setpoint_shift import shift_sentence, shift_words
 from .output import console, say, sparkline
 from .side_by_side import show_side_by_side
 from .tables import ReportTable, is_narrow
@@ -48,10 +49,23 @@ def show_comparison(comparisons: Sequence[Comparison], labels: Sequence[str] = (
         show_torque_errors(torques, comparison.motion, comparison.model if len(comparisons) > 1 else "")
     for comparison in comparisons:
         _show_where(comparison, titled=len(comparisons) > 1)
+    _show_shifts(comparisons)
     for comparison in comparisons:
         if sentence := decisive_sentence(comparison, start):
             of = f" ({comparison.model})" if len(comparisons) > 1 else ""
             say(f"\nNote{of}: {sentence}.")
+
+
+def _show_shifts(comparisons: Sequence[Comparison]) -> None:
+    """Print what a position error in proportion to the speed most likely is; in full for the first model with one."""
+    told = False
+    for comparison in comparisons:
+        said = shift_sentence(comparison)
+        if said and comparison.shift is not None:
+            of = f" ({comparison.model})" if len(comparisons) > 1 else ""
+            short = f"likewise the machine is {shift_words(comparison.shift)} than the twin."
+            say(f"Note{of}: {short}" if told else f"\nNote{of}: {said[:1].lower()}{said[1:]}")
+            told = True
 
 
 def _show_errors(comparison: Comparison) -> None:

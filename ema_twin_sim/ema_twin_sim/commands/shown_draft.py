@@ -58,11 +58,15 @@ def say_what_it_rests_on(map_file: Path, place: Path, besides: Sequence[str], kn
     More assumptions are in ``besides``, and more that the recordings showed in ``known``.
     """
     from ..model import load_model
-    from ..new_machine.told import assumed, doubts_of, shown
+    from ..new_machine.told import assumed, doubts_of, estimated, shown
 
     model = load_model(place)
     doubts = doubts_of(model, place.read_text(), map_file.read_text())
-    numbers = {"Known": [*shown(model, doubts), *known], "Assumed": assumed(model, doubts)}
+    numbers = {
+        "Known": [*shown(model, doubts), *known],
+        "Estimated from the recordings": estimated(model, doubts),
+        "Assumed": assumed(model, doubts),
+    }
     lines = [f"{text}: {', '.join(each)}" for text, each in numbers.items() if each]
     lines += [f"Assumed: {sentence}" for sentence in besides]
     for line in lines:

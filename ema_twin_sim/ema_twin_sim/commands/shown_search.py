@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from rich.markup import escape
 
 from ..quantities import estimate, quantity
+from ..words.dropped import less_dropped
 from ..words.next_recording import recording_words
 from ..words.parameters import numbers_of, parameter_rows
 from ..words.sentences import (
@@ -32,7 +33,7 @@ from .output import console, say
 from .tables import ReportTable, is_narrow
 
 if TYPE_CHECKING:
-    from ..discovery.discover import Discovery
+    from ..discovery.discover import Discovery, Step
 
 STEPS_ARE = (
     "Excess: mean square of the error minus that of the sensors' noise; removing 99 % of it leaves a tenth of the RMSE."
@@ -54,14 +55,18 @@ def show_search(found: Discovery, without: Sequence[str] = ()) -> None:
     if found.unseen.refitted and not found.steps:
         say(refit_sentence(found.unseen))
     if found.steps:
-        console.print(_steps(found))
-        say(STEPS_ARE)
+        shown, dropped = less_dropped(found.steps)
+        if shown or found.unseen.refitted:
+            console.print(_steps(found, shown))
+            say(STEPS_ARE)
+        if dropped:
+            say(dropped)
         if grew := larger_sentence(found.steps):
             say(grew)
         if leaves := left_sentence(found.unseen):
             say(leaves)
         if _is_crowded(found):
-            for step in found.steps:
+            for step in shown:
                 what = "Runner-up to" if step.action == "add" else "Dropped:"
                 say(f"{what} {effect_words(step.instance)}: {why_step(step)}.")
     if found.parameters:
@@ -88,7 +93,7 @@ def show_doubts(groups: Sequence[Sequence[str]], next_recording: str, motion: st
         say(f"\nRecord next: {recording_words(next_recording, motion)}")
 
 
-def _steps(found: Discovery) -> ReportTable:
+def _steps(found: Discovery, shown_steps: Sequence[Step]) -> ReportTable:
     from ..effects import catalogue
     from ..measured.folds import HALF_OF
 
@@ -117,7 +122,7 @@ def _steps(found: Discovery) -> ReportTable:
             *(() if crowded else ("",)),
         )
         table.add_section()
-    for step in found.steps:
+    for step in shown_steps:
         if step.action != "add":  # dropped in the round of the effect that made it needless, whose row has the numbers
             blank = [""] * (len(table.columns) - 2 if narrow else 0)
             table.add_row(f"− {effect_words(step.instance)}", *(() if crowded else (*blank, escape(why_step(step)))))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from rich.markup import escape
 
 from ..comparison.beyond_noise import shown_signals
+from ..listing import listed
 from ..quantities import quantity
 from ..words.error_cells import ALL, closeness_cell, error_cell, noise_cell, number_of_times
 from ..words.sentences import by_number, input_words
@@ -15,7 +16,7 @@ from .output import console, say
 from .tables import ReportTable
 
 if TYPE_CHECKING:
-    from ..comparison.closeness import Closeness
+    from ..comparison.closeness import Closeness, CloserModel
     from ..comparison.compare import Comparison
     from ..comparison.running_comparison import SignalError
 
@@ -123,4 +124,16 @@ def _in_words(name: str, first: Comparison, other: Comparison) -> str:
         least, most = (closeness_cell(at[recording][name]) for _, recording in (each[0], each[-1]))
         if least != most:
             text += f", from {least} ({each[0][1]}) to {most} ({each[-1][1]})"
-    return f"{text}."
+    return f"{text}{_farther(first, found)}."
+
+
+def _farther(first: Comparison, found: CloserModel) -> str:
+    """``; 1.3 × farther off in the speed``: the signals in which a model that is closer in the main one is not."""
+    by_times: dict[str, list[str]] = {}
+    for signal in shown_signals(first.input, first.overall):
+        closeness = found.overall.get(signal)
+        if closeness is not None and closeness.times < 1.0:
+            times = number_of_times(1.0 / closeness.times)
+            by_times.setdefault(times, []).append(f"the {signal.replace('_', ' ')}")
+    by_times.pop(number_of_times(1.0), None)
+    return "".join(f"; {times} × farther off in {listed(signals)}" for times, signals in by_times.items())

@@ -19,7 +19,13 @@ def show_torque_errors(errors: Mapping[str, TorqueError], motion: str, model: st
     what = "force" if motion == "linear" else "torque"
     for name, error in errors.items():
         of = f"{name} ({model})" if model else name
-        below = f"{100.0 * error.filtered:.2f} % below {error.band:g} Hz, "
+        below = f"{_percent(error.filtered)} below {error.band:g} Hz, "
         if error.filtered == error.unfiltered:  # nothing was filtered
             below = f"sampled too slowly for a filter of {error.band:g} Hz: "
-        say(f"Relative {what} error of {of}, standstill included: {below}{100.0 * error.unfiltered:.2f} % unfiltered")
+        say(f"Relative {what} error of {of}, standstill included: {below}{_percent(error.unfiltered)} unfiltered")
+
+
+def _percent(share: float) -> str:
+    """``3.52 %``, and ``7340 %``: three digits where there are that many before the point."""
+    value = 100.0 * share
+    return f"{float(f'{value:.3g}'):.0f} %" if value >= 100.0 else f"{value:.2f} %"

@@ -28,6 +28,7 @@ from ..simulation.simulate import BY_MOTOR, choose_input, simulate
 from .beyond_noise import beyond_noise, shown_signals
 from .decisive_stretch import DecisiveStretch, decisive_stretch
 from .running_comparison import UNITS, RunningComparison, SignalError
+from .setpoint_shift import SetpointShift, ShiftSums, setpoint_shift
 from .unknown_start import unknown_start
 from .where import Dependence, Stretch, find_dependences
 
@@ -39,6 +40,7 @@ MIXED = "mixed"
 
 Signals = dict[str, SignalError]
 
+_Beside = tuple[RunningComparison, dict[str, Stretch], dict[str, DecisiveStretch], dict[str, ShiftSums]]
 _UNITS = UNITS | {"motor_torque": signal_unit("motor_torque")}
 """Signals traced to a place, including the drive's torque if there is no current."""
 
@@ -87,10 +89,11 @@ class Comparison:
     warnings: tuple[str, ...]
     motion: str = "rotary"
     misread: tuple[str, ...] = ()
+    shift: SetpointShift | None = None
 
     def as_json(self) -> dict[str, object]:
-        """For ``compare --json``."""
-        return {
+        """For ``compare --json``; ``setpoint_shift`` [s] if the machine follows its setpoint earlier than the twin."""
+        found: dict[str, object] = {
             "model": self.model,
             "input": self.input,
             "recordings": [recording.as_json() for recording in self.recordings],
@@ -98,6 +101,7 @@ class Comparison:
             "where": [dependence.as_json() for dependence in self.where],
             "warnings": list(self.warnings),
         }
+        return found if self.shift is None else {**found, "setpoint_shift": self.shift.seconds}
 
 
 def compare(
@@ -127,14 +131,14 @@ def compare(
     starts: list[str] = []
     slow = standstill(given, asked, together)
     stretches: dict[str, list[Stretch]] = {name: [] for name in UNITS}
+    shifts: list[dict[str, ShiftSums]] = []
 
-    def beside(
-        recording: Recording, chosen: str
-    ) -> tuple[RunningComparison, dict[str, Stretch], dict[str, DecisiveStretch]]:
+    def beside(recording: Recording, chosen: str) -> _Beside:
         return _beside(recording, model, chosen, step, noise, partial(within, recording.name))
 
     besides = simulations(beside, recordings, inputs)
-    for recording, chosen, (running, parts, decisive) in zip(recordings, inputs, besides, strict=True):
+    for recording, chosen, (running, parts, decisive, sums) in zip(recordings, inputs, besides, strict=True):
+        shifts.append(sums)
         for name, part in parts.items():
             stretches[name].append(part)
         error = _torque_error(recording, model) if chosen == "current" else None
@@ -175,6 +179,7 @@ def compare(
         ),
         "rotary" if model.units is None else "linear",
         misread,
+        setpoint_shift(shifts, recordings[0].sample_period, model.value("machine.gear_ratio"), together),
     )
 
 
@@ -267,8 +272,9 @@ def _beside(
     step: float | None,
     noise: Mapping[str, float],
     progress: Callable[[float], None],
-) -> tuple[RunningComparison, dict[str, Stretch], dict[str, DecisiveStretch]]:
-    """Errors of a twin for one recording, the residuals that are traced to a place, and the stretches that decide them.
+) -> _Beside:
+    """Errors of a twin for one recording, the residuals that are traced to a place, the stretches that decide them, and
+    the sums that tell a shift between setpoint and motion.
 
     The twin itself is not kept.
     """
@@ -280,7 +286,14 @@ def _beside(
     own = {name: np.ascontiguousarray(residuals[name]) for name in traced}  # a view would keep all rows
     stretches = {name: stretch_of(recording, twin, values, ratio) for name, values in own.items()}
     over = () if recording.of_points else beyond_noise(source, running.result())
-    return running, stretches, _decisive({name: residuals[name] for name in over}, recording)
+    sums: dict[str, ShiftSums] = {}
+    if source == "setpoint" and stretches:
+        speed = next(iter(stretches.values())).speed
+        shafts = {"motor_position": 1.0, "output_position": ratio}
+        sums = {
+            name: ShiftSums.of(residuals[name], speed, shaft) for name, shaft in shafts.items() if name in residuals
+        }
+    return running, stretches, _decisive({name: residuals[name] for name in over}, recording), sums
 
 
 def _decisive(residuals: Mapping[str, np.ndarray], recording: Recording) -> dict[str, DecisiveStretch]:

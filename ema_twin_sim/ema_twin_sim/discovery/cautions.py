@@ -6,11 +6,8 @@ from ..criteria import SMALL
 def of_open_constants() -> str:
     """Warning for a model with open constants: what an effect must achieve to be named, and why."""
     return (
-        "your model has unknown constants, and fitting them can hide a missing effect: an effect is named only if less "
-        f"than {100.0 * SMALL:.0f} % of the drive's torque (rms) remains unexplained beyond the sensors' noise in the "
-        "rows that are judged (averages of neighbouring samples in which the machine slides, or operating points); in "
-        "single samples (the RMSE after the last step) more may remain, and either may be several times the sensors' "
-        "noise; constants from a data sheet or a measurement of your own make the answer sharper"
+        "your model has unknown constants, and fitting them can hide a missing effect. An effect is named only if less "
+        f"than {100.0 * SMALL:.0f} % of the drive's torque remains unexplained; constants from a data sheet help"
     )
 
 

@@ -116,9 +116,16 @@ class Discovery:
         """Ratio of error to sensor noise for each signal that still exceeds it, worst first."""
         return beyond_noise(self.input, self.left)
 
+    @property
+    def origin(self) -> dict[str, object]:
+        """What it was computed from, for JSON: names of the model, its machine and the recordings."""
+        names = [recording.name for recording in self.given]
+        return {"model": self.model.name, "machine": self.model.machine, "recordings": names}
+
     def as_json(self) -> dict[str, object]:
         """SI units; missing numbers are null."""
         return {
+            **self.origin,
             "added": list(self.added),
             "verdict": self.verdict,
             "steps": [{**vars(step), "tried": list(step.tried)} for step in self.steps],

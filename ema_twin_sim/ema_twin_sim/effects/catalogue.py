@@ -85,9 +85,9 @@ def find_effect(id: str, place: str) -> Effect:
     effects = catalogue()
     if id not in effects:
         near = difflib.get_close_matches(id, effects, n=1, cutoff=0.5)
-        hint = f"did you mean '{near[0]}'? " if near else ""
+        hint = f"did you mean '{near[0]}'? If" if near else "if"
         raise InputError(
-            f"{place}: unknown effect '{id}'; {hint}If it is your own, name its file: --with FILE.py (of a node: "
-            "effect_files); the others: ema-twin effects"
+            f"{place}: unknown effect '{id}'; {hint} it is your own, name its file: --with FILE.py (of a node: "
+            "effect_files); ema-twin effects lists the others"
         )
     return effects[id]

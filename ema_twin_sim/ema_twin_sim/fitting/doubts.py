@@ -6,7 +6,7 @@ import math
 import sys
 from collections.abc import Sequence
 
-from ..comparison.beyond_noise import times_noise, times_words
+from ..comparison.beyond_noise import is_noise, times_noise, times_words
 from ..comparison.running_comparison import SignalError
 from ..criteria import NEGLIGIBLE, NOISY, TOO_MUCH
 from ..quantities import quantity
@@ -19,15 +19,28 @@ def no_nearer(
     """A note if signals are farther off after a fit: on its ``own`` recordings, or else where it was not fitted to, if
     their errors grew by more than those of the others shrank.
 
+    A fit that is nearer in the first signal, by which ``compare`` judges models, is not advised against.
+
     Errors are in the units of the model's file. ``by_equation``: the fit left out standstill, which the errors count;
     ``hit``: teeth meet in the model.
     """
     if farther := _grew(own_before, own_after):
-        why = "an effect may be missing, for which discover looks"
+        why = "an effect may be missing: discover tells, if it has not looked yet"
         if by_equation:
             why = "standstill counts here, and a fit leaves it out"
         elif hit:
             why = "teeth that meet 1 ms too early or too late can cause this"
+        nearer = [
+            signal
+            for signal in own_after
+            if tells(signal, own_after[signal], own_after) and _is_nearer(own_before[signal], own_after[signal])
+        ]
+        main = next(signal for signal in own_after if tells(signal, own_after[signal], own_after))
+        if main in nearer:
+            return [
+                f"the error of the {_both(nearer, own_before, own_after, 'falls')}, but that of the "
+                f"{_both(farther, own_before, own_after)}; {why}"
+            ]
         return [
             "the fit does not bring the model nearer to these recordings: the error of the "
             f"{_both(farther, own_before, own_after)}; {why}. Keep the model as it was"
@@ -45,7 +58,7 @@ def still_far(after: Errors, hit: bool) -> list[str]:
     if worst is None or not told[worst]["rmse"] > TOO_MUCH * told[worst]["noise_floor"] > 0.0:
         return []
     times = times_words(times_noise(told[worst]))
-    advice = "diagnose tells whether an effect is missing"
+    advice = "compare tells what it depends on, diagnose whether an effect is missing"
     if hit:
         advice = f"impact timing off by 1 ms can cause this; {advice}"
     return [f"what is left of the {worst.replace('_', ' ')} is {times} the sensors' noise: {advice}"]
@@ -58,6 +71,11 @@ def tells(signal: str, error: SignalError, errors: Errors) -> bool:
     """
     by_current = any(errors[name]["driven"] for name in ("current", "motor_torque") if name in errors)
     return not error["driven"] and (signal == "unexplained_torque" or not by_current)
+
+
+def _is_nearer(before: SignalError, after: SignalError) -> bool:
+    """Whether an error above the noise shrank; near the noise too, as ``compare`` counts what is above it."""
+    return not is_noise(before) and after["rmse"] < (1.0 - NEGLIGIBLE) * before["rmse"]
 
 
 def _grew(before: Errors, after: Errors) -> list[str]:
@@ -81,10 +99,10 @@ def _growths(before: Errors, after: Errors) -> dict[str, float]:
     }
 
 
-def _both(signals: Sequence[str], before: Errors, after: Errors) -> str:
+def _both(signals: Sequence[str], before: Errors, after: Errors, way: str = "grows") -> str:
     """These signals, with both errors."""
     return ", that of the ".join(
-        f"{signal.replace('_', ' ')} grows from {quantity(before[signal]['rmse'], after[signal]['unit'])} to "
+        f"{signal.replace('_', ' ')} {way} from {quantity(before[signal]['rmse'], after[signal]['unit'])} to "
         f"{quantity(after[signal]['rmse'], after[signal]['unit'])}"
         for signal in signals
     )

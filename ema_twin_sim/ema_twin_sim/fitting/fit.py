@@ -70,12 +70,15 @@ class FitResult:
     correlations: tuple[tuple[float, ...], ...]
     warnings: tuple[Finding, ...]
     notes: tuple[str, ...]
+    recordings: tuple[str, ...]  # names
     torque_errors: dict[str, TorqueError]  # by recording, if the current (or torque) drives the twin
 
     def as_json(self) -> dict[str, object]:
         """SI units; numbers that were held have no standard error."""
         return {
             "model": self.model.name,
+            "machine": self.model.machine,
+            "recordings": list(self.recordings),
             "method": self.method,
             "input": self.input,
             "parameters": self.parameters,
@@ -117,7 +120,7 @@ def fit_model(
     called with a description of each stage. Raises InputError if the recordings cannot be fitted to.
     """
     noise = noise_of(recordings, model)
-    given = model
+    given, names = model, tuple(recording.name for recording in recordings)
     rotary, as_filed = to_rotary_equivalent(recordings, model)
     rotary = operating_point_folds(rotary, as_filed)
     recordings, model = to_own_units(recordings, model)
@@ -178,6 +181,7 @@ def fit_model(
         tuple(tuple(float(sure.correlation[a, b]) for b in shown) for a in shown),
         tuple(findings),
         tuple(notes),
+        names,
         {
             recording.name: error
             for recording, chosen in zip(rotary, sources, strict=True)

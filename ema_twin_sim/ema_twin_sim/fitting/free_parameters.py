@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 import sys
 from collections.abc import Sequence
@@ -16,9 +17,9 @@ from ..effects import Parameter, catalogue
 from ..identification.hypothesis import COMPLIANT_EFFECTS, INERTIAS
 from ..identification.search_limits import Reached, search_limits
 from ..identification.start_values import WIDE
+from ..listing import listed
 from ..model import Model
 from ..model.constants import CONSTANTS
-from ..model.model import nearest
 from ..model.own_units import shown, told
 from ..model.roles import DRY_FRICTION, FRICTION
 
@@ -232,14 +233,26 @@ def waves(freedom: FreeParameters) -> list[tuple[int, int]]:
     return found
 
 
+def _nearest(text: str, known: Sequence[str]) -> str:
+    """``did you mean 'x'?``, or what the named part has, or the parts: all paths would be too many for one line."""
+    if near := difflib.get_close_matches(text, known, n=1):
+        return f"did you mean '{near[0]}'?"
+    part = text.partition(".")[0]
+    inside = [path for path in known if path.partition(".")[0] == part]
+    if inside:
+        return f"of {part} it has {listed(path.partition('.')[2] for path in inside)}"
+    return f"its numbers begin with {listed(dict.fromkeys(path.partition('.')[0] for path in known), 'or')}"
+
+
 def _named(model: Model, known: Sequence[str], given: Sequence[str], option: str) -> list[str]:
     found: dict[str, None] = {}
     names = {model.shown_path(path): path for path in model.constants}
+    shown_names = [model.shown_path(path) for path in known]
     for text in given:
         text = names.get(text, text)
         here = [path for path in known if path == text or path.startswith(f"{text}.")]
         if not here or text in ("effects", *(c.part for c in CONSTANTS.values())):
-            raise InputError(f"{option} {text}: model {model.name} has no such number; {nearest(text, tuple(known))}")
+            raise InputError(f"{option} {text}: model {model.name} has no such number; {_nearest(text, shown_names)}")
         found.update(dict.fromkeys(here))
     return list(found)
 

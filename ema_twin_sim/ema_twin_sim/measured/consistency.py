@@ -97,12 +97,17 @@ def _by_factor(recording: Recording, model: Model, beside: Sequence[Recording]) 
         pair, mistake = {factor.signal, factor.other}, usual_mistake(factor, model)
         yield Inconsistency(
             recording.name,
-            f"{factor.signal} is {factor.value:.3g} times what {factor.other} makes it{mistake}",
+            f"{factor.signal} is {_times(factor.value)} what {factor.other} makes it{mistake}",
             "check unit, factor and counts of both in the import map"
             + _ALSO.get(frozenset(pair), "").format(ratio=model.value("machine.gear_ratio") / abs(found.value)),
             f"{factor.signal} {factor.other}{mistake}",
             factor.value,
         )
+
+
+def _times(factor: float) -> str:
+    """``57.3 times``, ``1000 times``: three digits, without an exponent up to a million."""
+    return f"{float(f'{factor:.3g}'):g} times"
 
 
 def _by_standing(recording: Recording, model: Model) -> Iterator[Inconsistency]:
@@ -223,7 +228,7 @@ def _by_inertia(recording: Recording, model: Model, beside: Sequence[Recording])
         return
     yield Inconsistency(
         recording.name,
-        f"current is {factor:.3g} times what the model's inertia needs for the acceleration, {why}",
+        f"current is {_times(factor)} what the model's inertia needs for the acceleration, {why}",
         "check unit, factor and sign of current and of the positions in the import map, and the model's inertias",
         f"inertia, {why}",
         factor,

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ema_bench_replay.recording import Recording
+from ema_bench_replay.units import signal_unit
 
 from ..criteria import ALL_BUT_SPIKES, NEGLIGIBLE, PART, SMALL
 from ..model import Model
@@ -123,6 +124,11 @@ def _goes_as_far(recording: Recording, model: Model) -> bool:
     return abs(spans[0] * model.value("machine.gear_ratio") - spans[1]) <= SMALL * spans[1]
 
 
+def _as_thousandths(signal: str, model: Model) -> str:
+    unit = signal_unit(signal, model.motion)
+    return f"as if {signal} were in m{unit} and read as {unit}"
+
+
 def usual_mistake(factor: Factor, model: Model) -> str:
     """The usual cause of a factor, in words; empty if it is none of these."""
     signal, other, value, relation = factor
@@ -135,11 +141,8 @@ def usual_mistake(factor: Factor, model: Model) -> str:
         (1.0 / RPM, f"as if {other} were in rpm and read as rad/s"),
         (TURN, f"as if {other} were in revolutions and read as radians"),
         (1.0 / TURN, f"as if {signal} were in revolutions and read as radians"),
-        (1000.0, f"as if {signal} were in thousandths (mA, mrad)"),
-        (
-            0.001,
-            f"as if {other} were in thousandths (mA, mrad)" + (", or the time in ms and read as s" if timed else ""),
-        ),
+        (1000.0, _as_thousandths(signal, model)),
+        (0.001, _as_thousandths(other, model) + (", or the time in ms and read as s" if timed else "")),
     ]
     if relation.counted:
         counts = f"as if the counts_per_revolution of {signal} were"

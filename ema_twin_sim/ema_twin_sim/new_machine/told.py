@@ -34,12 +34,26 @@ _HOW = {
 
 
 def shown(model: Model, doubts: Mapping[str, str]) -> list[str]:
-    """What a recording showed or the user gave, each as ``name value unit``; not what the drafts mark (``doubts``)."""
-    return [
-        f"{name} {value}" + (f" ({TORQUE_OVER_CURRENT})" if model.constants[path].source == TORQUE_OVER_CURRENT else "")
-        for path, name, value in _values(model)
-        if model.constants[path].source != ASSUMED and path not in doubts
-    ]
+    """What the user gave or the columns say, each as ``name value unit``; not what the drafts mark (``doubts``)."""
+    return [text for path, text in _found(model, doubts) if not _is_estimate(path, model)]
+
+
+def estimated(model: Model, doubts: Mapping[str, str]) -> list[str]:
+    """What was computed from the recordings, each as ``name value unit``; not what the drafts mark (``doubts``)."""
+    return [text for path, text in _found(model, doubts) if _is_estimate(path, model)]
+
+
+def _found(model: Model, doubts: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """Yield (path, ``name value unit``) of what is neither assumed nor marked."""
+    for path, name, value in _values(model):
+        source = model.constants[path].source
+        if source != ASSUMED and path not in doubts:
+            yield path, f"{name} {value}" + (f" ({TORQUE_OVER_CURRENT})" if source == TORQUE_OVER_CURRENT else "")
+
+
+def _is_estimate(path: str, model: Model) -> bool:
+    """Whether a number is neither given nor a count, and so has the uncertainty of what it was computed from."""
+    return not model.constants[path].source.startswith("given") and not path.endswith("_encoder_counts")
 
 
 def assumed(model: Model, doubts: Mapping[str, str]) -> list[str]:

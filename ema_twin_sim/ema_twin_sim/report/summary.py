@@ -12,6 +12,7 @@ from ..effects import catalogue
 from ..listing import listed, number_of
 from ..quantities import MOST_TIMES, limited_factor, quantity
 from ..words.findings import UnseenErrors
+from ..words.origin import names_of
 from ..words.sentences import (
     NO_RUNNER_UP,
     NOT_IN_CATALOGUE,
@@ -25,10 +26,10 @@ from ..words.sentences import (
     verdict_of,
     why_step,
 )
+from ..words.setpoint_shift import shift_sentence
 from .backwards import backwards, gone_effects, searched_model
 from .content import Content, Shown, dates, signal_words
 from .difference import NewEffect, new_effects
-from .lag import lag_sentence
 from .markup import Markup, capitalised, items, joined, table, tag
 
 WITHIN = 0.5
@@ -210,6 +211,10 @@ def _sure(content: Content) -> list[Markup]:
         lines.append("No other effect of the catalogue explains these recordings as well.")
     if findings.unseen is not None and len(findings.unseen.recordings) > 1:
         lines.append("The effects were judged on recordings that were not used for fitting.")
+    names = [recording.name for recording in content.given.recordings]
+    for said, result in (("search", findings), ("fit", content.fit)):
+        if result is not None and result.origin is not None and result.origin.differs(names):
+            lines.append(f"{result.origin.sentence(said)} Those of this page are {names_of(names)}.")
     return [items(*lines)]
 
 
@@ -233,7 +238,7 @@ def _left(content: Content) -> list[Markup]:
         rmse = quantity(error["rmse"], error["unit"])
         where = next((found.sentence() for found in second.where if found.signal == name), "")
         if name == "output_position":
-            where = f"{where} {lag_sentence(content.given, content.models[1], 1)}".strip()
+            where = f"{where} {shift_sentence(second)}".strip()
         noise = "the sensors' noise"
         if not is_noise(error):
             noise = f"{times_words(times_noise(error))} {noise}"

@@ -31,6 +31,12 @@ FORMS = (
     "linear machine), prefix speed- for a speed command, a CSV file of time [s], position [rad or m], or a YAML file "
     "that plan wrote"
 )
+_EXAMPLES = {
+    "ramp": "ramp:SPEED, in rad/s (m/s if the machine is linear)",
+    "sine": "sine:SIZE:HZ, the size in rad (m if the machine is linear)",
+    "triangle": "triangle:SPEED:HALF_PERIOD_S, the speed in rad/s (m/s if the machine is linear)",
+    "step": "step:SIZE:HALF_PERIOD_S, the size in rad (m if the machine is linear)",
+}
 _WORDS = {
     "ramp": "a ramp of {0:g} {unit}/s",
     "sine": "a sine of ±{0:g} {unit} at {1:g} Hz",
@@ -54,6 +60,8 @@ class Command:
     function: Callable[[np.ndarray], np.ndarray]
     seconds: float | None = None
     """Intended recording time, if its file gives one."""
+    frequency: float = 0.0
+    """Repetitions per second [Hz]; 0 if it does not repeat."""
 
     @property
     def name(self) -> str:
@@ -94,20 +102,20 @@ def parse_command(text: str, *, start: float = 0.0, phase: float = 0.0) -> Comma
         if Path(text).suffix.lower() == ".csv" or Path(text).exists():
             return Command(text, False, _from_file(Path(text), start))
         raise InputError(f"command '{text}': unknown kind '{kind}'; give {FORMS}")
+    form = _EXAMPLES[shape]
     units = [unit for unit in _SHAPES[shape] if unit]
     if len(numbers) != len(units):
-        raise InputError(
-            f"command '{text}': {shape} takes {number_of(len(units), 'number')} [{', '.join(units)}]; give {FORMS}"
-        )
+        raise InputError(f"command '{text}': {shape} takes {number_of(len(units), 'number')}; give {form}")
     try:
         values = [float(number) for number in numbers]
     except ValueError:
-        raise InputError(f"command '{text}': '{':'.join(numbers)}' is no number; give {FORMS}") from None
+        raise InputError(f"command '{text}': '{':'.join(numbers)}' is no number; give {form}") from None
     if not all(abs(value) <= LARGEST for value in values) or (len(values) == 2 and values[1] <= 0.0):
         raise InputError(
-            f"command '{text}': numbers must be up to {LARGEST:g}, frequency and half period positive; give {FORMS}"
+            f"command '{text}': numbers must be up to {LARGEST:g}, frequency and half period positive; give {form}"
         )
-    return Command(text, speed, _shape(shape, values, start, phase))
+    frequency = 0.0 if shape == "ramp" else values[1] if shape == "sine" else 0.5 / values[1]
+    return Command(text, speed, _shape(shape, values, start, phase), frequency=frequency)
 
 
 def _shape(shape: str, values: list[float], start: float, phase: float) -> Callable[[np.ndarray], np.ndarray]:

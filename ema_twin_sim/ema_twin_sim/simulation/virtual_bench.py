@@ -44,6 +44,12 @@ def virtual_bench(
         raise InputError(
             f"--seconds {seconds}: give a duration between two samples and {50_000_000 * period * 1e-9:.0f} s"
         )
+    rate = 1e9 / period
+    if command.frequency >= 0.5 * rate:
+        raise InputError(
+            f"command '{command.text}': repeats {command.frequency:g} times a second, and {rate:g} samples a second "
+            f"show no more than {0.5 * rate:g}; give a slower one"
+        )
     refuse_without_speed_controller(model)
     stamps = np.arange(count, dtype=np.int64) * period
     wanted = command(stamps * 1e-9)

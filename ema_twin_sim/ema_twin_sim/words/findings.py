@@ -13,6 +13,7 @@ from ema_bench_replay.errors import InputError
 
 from ..discovery.diagnose import Ranked
 from ..discovery.discover import Step
+from .origin import Origin, read_origin
 
 if TYPE_CHECKING:
     from ..discovery.diagnose import Diagnosis
@@ -76,6 +77,7 @@ class Findings:
     warnings: tuple[str, ...] = ()
     left_over: str = ""  # how large the error left is, and where along the first of ``depends_on``
     beyond_noise: Mapping[str, float] = field(default_factory=dict)  # by signal, the error left in times its noise
+    origin: Origin | None = None  # None if the file does not tell it
     misread: tuple[str, ...] = ()  # the warnings that put all findings in doubt
 
 
@@ -128,6 +130,7 @@ def _read(content: Mapping[str, Any]) -> Findings:
         _words(content.get("warnings", ())),
         str(content.get("left_over", "")),
         {str(name): number(times) for name, times in content.get("beyond_noise", {}).items()},
+        read_origin(content),
         _words(content.get("misread", ())),
     )
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ema_bench_replay.errors import InputError
 
 from .findings import Held, checked_entry, checked_numbers, number
+from .origin import Origin, read_origin
 
 if TYPE_CHECKING:
     from ..fitting.fit import FitResult
@@ -25,6 +26,7 @@ class FitFindings:
     before: Mapping[str, float]
     after: Mapping[str, float]
     judged_on: str
+    origin: Origin | None = None  # None if the file does not tell it
 
 
 def fit_findings_of(fit: FitResult) -> FitFindings:
@@ -51,4 +53,5 @@ def _read(content: Mapping[str, Any]) -> FitFindings:
         {str(name): number(error["before"]) for name, error in errors.items()},
         {str(name): number(error["after"]) for name, error in errors.items()},
         str(content["judged_on"]),
+        read_origin(content),
     )

@@ -250,7 +250,7 @@ def _place(o: Observation, rows: np.ndarray) -> str:
         share = float(power[part].sum()) / total if total else 0.0
         if share > MOSTLY and share * len(part) > CLEARLY_MORE * max(int(part.sum()), 1):
             return f"mostly {name}"
-    return "all along"
+    return "over the whole recording"
 
 
 def _holds(one: Rival, other: Rival) -> bool:

@@ -19,6 +19,10 @@ class NotDiagnosed(InputError):
     """Effects were to be applied before any diagnosis."""
 
 
+class Busy(InputError):
+    """A diagnosis, or what it found, is still being computed or set."""
+
+
 def settings_for(answer: Answer, effects: Sequence[str]) -> tuple[dict[str, Setting], str]:
     """The twin's parameters to set, by path, and the same in words.
 

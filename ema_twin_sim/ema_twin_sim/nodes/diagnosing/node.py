@@ -22,7 +22,7 @@ from ema_bench_replay.nodes import qos
 from ema_twin_msgs.msg import Diagnosis
 from ema_twin_msgs.srv import Apply, Diagnose
 
-from ...live.diagnosing.apply import NotDiagnosed, settings_for
+from ...live.diagnosing.apply import Busy, NotDiagnosed, settings_for
 from ...live.diagnosing.frames import Answer
 from ...live.diagnosing.worker_process import WorkerProcess
 from ...model import Model
@@ -152,7 +152,7 @@ class DiagnosisNode(Node):
         if self._closing.is_set():
             raise InputError(_OVER)
         if not self._busy.acquire(blocking=False):
-            raise InputError(_OVER if self._closing.is_set() else _BUSY)
+            raise InputError(_OVER) if self._closing.is_set() else Busy(_BUSY)
         try:
             yield
             self._failure = ""

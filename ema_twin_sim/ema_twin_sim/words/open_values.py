@@ -1,0 +1,21 @@
+"""A sentence on the numbers of a model that nobody has found yet."""
+
+from __future__ import annotations
+
+from ..listing import listed
+from ..model import Model
+from ..model.check_comment import START_VALUE
+from .sentences import effect_words
+
+
+def open_values_sentence(model: Model) -> str:
+    """Which numbers of a draft are still start values, and what finds them; empty if there are none."""
+    constants = [path for path, held in model.constants.items() if held.source == START_VALUE]
+    if not constants:
+        return ""
+    names = [model.shown_path(path).partition(".")[2].replace("_", " ") for path in constants]
+    effects = [effect_words(name) for name, instance in model.active.items() if instance.open]
+    return (
+        f"Model {model.name}: {listed([*names, *effects])} are still start values, so its errors say nothing of the "
+        "machine. Run discover or fit first: both find these numbers."
+    )

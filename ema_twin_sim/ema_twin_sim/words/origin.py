@@ -1,0 +1,78 @@
+"""What a written result was computed from, so that a page does not tell it of another machine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ema_bench_replay.errors import InputError
+
+from ..listing import listed
+from ..model import Model
+
+_MOST_NAMES = 5
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Names of the model, of its machine and of the recordings that a result was computed from."""
+
+    model: str
+    machine: str
+    recordings: tuple[str, ...]
+
+    def differs(self, recordings: Sequence[str]) -> bool:
+        """Whether these recordings are others than those of the result, or not all of them."""
+        return _bare(self.recordings) != _bare(recordings)
+
+    def sentence(self, verb: str) -> str:
+        """What was used: ``The search used the recordings a and b.``"""
+        one = "recording" if len(self.recordings) == 1 else "recordings"
+        return f"The {verb} used the {one} {names_of(self.recordings)}, and model {self.model}."
+
+
+def read_origin(content: Mapping[str, Any]) -> Origin | None:
+    """The origin from a result's JSON; None if the file does not tell it, as those of 0.1.0 do not."""
+    if "machine" not in content or "recordings" not in content:
+        return None
+    names = content["recordings"]
+    if isinstance(names, str):
+        raise ValueError(f"{names!r} is no list")
+    return Origin(str(content["model"]), str(content["machine"]), tuple(str(name) for name in names))
+
+
+def refuse_foreign(
+    option: str, path: Path, origin: Origin | None, models: Sequence[Model], names: Iterable[str]
+) -> None:
+    """Raise InputError if a result (``path``, given by ``option``) is of another machine, or of other recordings.
+
+    A model that was renamed is known by its machine. ``names`` are those of the recordings given.
+    """
+    if origin is None:
+        return
+    given = tuple(names)
+    advice = f"give the result for these, or leave out {option}"
+    if origin.model not in {model.name for model in models} and origin.machine not in {m.machine for m in models}:
+        told = listed(dict.fromkeys(model.name for model in models))
+        raise InputError(
+            f"{path}: is the result for model {origin.model} of machine {origin.machine}, but the models given are "
+            f"{told}; {advice}"
+        )
+    if not _bare(origin.recordings) & _bare(given):
+        raise InputError(
+            f"{path}: was computed from {names_of(origin.recordings)}, but the recordings given are {names_of(given)}; "
+            f"{advice}"
+        )
+
+
+def names_of(names: Sequence[str]) -> str:
+    """The names, up to five of them."""
+    shown = names if len(names) <= _MOST_NAMES else [*names[: _MOST_NAMES - 1], f"{len(names) - _MOST_NAMES + 1} more"]
+    return listed(shown)
+
+
+def _bare(names: Iterable[str]) -> set[str]:
+    """The names without the folder that is added to tell equal ones apart: ``run (monday)`` is ``run``."""
+    return {name.partition(" (")[0] for name in names}
