@@ -57,6 +57,7 @@ METHOD = {
     "identification/weighting.py": "FAR INFLATED",
     "comparison/decisive_stretch.py": "_PARTS",
     "comparison/orders.py": "_STEP ORDERS _REFINED _MOST_REFINED _POLISHED FEWEST_CYCLES FEWEST_SAMPLES _ENOUGH",
+    "comparison/setpoint_shift.py": "_MOST_SAMPLES",
     "comparison/torque_error.py": "BAND ENDS ORDER",
     "comparison/where.py": "_BINS FEWEST _SPEED_SHARES",
     "fitting/equation_misfit.py": "LAG_NUMBER",

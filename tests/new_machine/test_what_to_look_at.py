@@ -14,12 +14,18 @@ TIME = np.arange(2000) * 2e-3
 SPEED = 20.0 * np.sin(3.1 * TIME) + 8.0 * np.sin(7.2 * TIME)
 
 
+@pytest.fixture(autouse=True)
+def short_names(tmp_path, monkeypatch):
+    """A line with a long path would be wrapped."""
+    monkeypatch.chdir(tmp_path)
+
+
 def printed(tmp_path, capsys, speed=SPEED, **given):
     way = np.cumsum(SPEED) * 2e-3
     torque = 0.02 * np.gradient(SPEED, TIME) + 0.5 * np.sign(SPEED)
     columns = {"time [s]": TIME, "motor position [rad]": way, "motor speed [rad/s]": speed, "motor torque [Nm]": torque}
     file = write_columns(tmp_path / "run.csv", columns)
-    init(str(tmp_path / "m"), [file], gear_ratio=1.0, **given)
+    init("m", [file], gear_ratio=1.0, **given)
     return capsys.readouterr().out.splitlines(), file
 
 
@@ -39,7 +45,7 @@ def test_of_a_model_without_a_mark_it_says_what_is_open(tmp_path, capsys):
     lines, file = printed(tmp_path, capsys)
     assert after(lines, "m.yaml") == (OPEN, [])
     assert after(lines, "m_map.yaml") == ("nothing had to be guessed", [])
-    init(str(tmp_path / "n"), [file], gear_ratio=1.0, import_map=str(tmp_path / "m_map.yaml"))
+    init("n", [file], gear_ratio=1.0, import_map="m_map.yaml")
     assert after(capsys.readouterr().out.splitlines(), "n.yaml") == (OPEN, [])
 
 

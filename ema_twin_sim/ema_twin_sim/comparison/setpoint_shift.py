@@ -10,12 +10,11 @@ import numpy as np
 
 from ema_bench_replay.long_columns import pieces
 
-from ..criteria import MOSTLY
+from ..criteria import MOSTLY, PART
 
 POSITIONS = ("motor_position", "output_position")
 _MOST_SAMPLES = 3.0
 """The longest shift that a drive's cycle explains; a longer one is a position loop, or a draft whose twin runs away."""
-_ALIKE = 0.5  # of the output's error: what the encoders may differ by and still show the same
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ def setpoint_shift(
         return None
     if by_both:
         output, motor = math.sqrt(total.power), math.sqrt(totals["motor_position"].power) / ratio
-        if abs(motor - output) > _ALIKE * output:
+        if abs(motor - output) > PART * output:
             return None
     seconds = total.along / total.speed
     samples = abs(seconds) / period
