@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.commands.init import run as init
+from ema_twin_sim.commands.output import console
 from ema_twin_sim.commands.shown_draft import say_what_to_look_at
 from tests.trace_text import write_columns
 
@@ -15,16 +16,17 @@ SPEED = 20.0 * np.sin(3.1 * TIME) + 8.0 * np.sin(7.2 * TIME)
 
 
 @pytest.fixture(autouse=True)
-def short_names(tmp_path, monkeypatch):
-    """A line with a long path would be wrapped."""
+def unfolded(tmp_path, monkeypatch):
+    """Lines are whole: names are short, and the terminal is wide."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(console, "width", 200)
 
 
-def printed(tmp_path, capsys, speed=SPEED, **given):
+def printed(capsys, speed=SPEED, **given):
     way = np.cumsum(SPEED) * 2e-3
     torque = 0.02 * np.gradient(SPEED, TIME) + 0.5 * np.sign(SPEED)
     columns = {"time [s]": TIME, "motor position [rad]": way, "motor speed [rad/s]": speed, "motor torque [Nm]": torque}
-    file = write_columns(tmp_path / "run.csv", columns)
+    file = write_columns(Path("run.csv"), columns)
     init("m", [file], gear_ratio=1.0, **given)
     return capsys.readouterr().out.splitlines(), file
 
@@ -40,9 +42,9 @@ def after(lines, name):
     return lines[place].partition(f"{name}: ")[2], below
 
 
-def test_of_a_model_without_a_mark_it_says_what_is_open(tmp_path, capsys):
+def test_of_a_model_without_a_mark_it_says_what_is_open(capsys):
     """It said that nothing had to be guessed, though inertia and friction were."""
-    lines, file = printed(tmp_path, capsys)
+    lines, file = printed(capsys)
     assert after(lines, "m.yaml") == (OPEN, [])
     assert after(lines, "m_map.yaml") == ("nothing had to be guessed", [])
     init("n", [file], gear_ratio=1.0, import_map="m_map.yaml")
@@ -50,9 +52,9 @@ def test_of_a_model_without_a_mark_it_says_what_is_open(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("factor", [1000.0, 0.01])
-def test_the_factor_between_position_and_speed_is_printed(tmp_path, capsys, factor):
+def test_the_factor_between_position_and_speed_is_printed(capsys, factor):
     """It was only in the map, and the terminal named one line to check."""
-    lines, _ = printed(tmp_path, capsys, factor * SPEED)
+    lines, _ = printed(capsys, factor * SPEED)
     said, reasons = after(lines, "m_map.yaml")
     assert said == "1 line to check, marked CHECK"
     assert len(reasons) == 1 and reasons[0].startswith("motor_position: the position changes ")
