@@ -85,8 +85,7 @@ class EquationErrorProblem(WeightedRows):
     def predict(self, h: Hypothesis, beside: Prediction | None = None, *, side_by_side: bool = False) -> Prediction:
         """Predict the rows of a hypothesis; ``side_by_side``: in two threads, if nothing else runs.
 
-        Only with two inertias: a rigid drivetrain's rows of a minute at 1 kHz take a millisecond, and threads that long
-        gain nothing. If a prediction ``beside`` is given, the output moves as it does there: only the motor side
+        If a prediction ``beside`` is given, the output moves as it does there: only the motor side
         differs.
         """
         assembly = assemble(h.model())
@@ -95,7 +94,7 @@ class EquationErrorProblem(WeightedRows):
         required = np.empty((self.samples, len(REQUIRED))) if beside is None else beside.required.copy()
         rows = np.zeros(self.rows)
         of = (assembly.plant, assembly.effects, self._origins(), seen, has_seen, beside is not None, required, rows)
-        if side_by_side and plant["two_inertia"] != 0.0:
+        if side_by_side:
             halves = predictions(self.samples, lambda half: self.joined.require(half, *of), self.joined.halves)
             list(halves)
         else:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..model import EffectInstance
+from ..parallel import predictions
 from .equation import EquationErrorProblem
 from .hypothesis import DRY_SCALE, LAG, Free, Hypothesis
 from .prediction import Prediction, Predictor, acts_at_the_motor
@@ -78,7 +79,7 @@ def jacobian(
             there = predictor.predict(moved[k], beside=beside).rows
         return problem.centred((there - predicted.rows) / steps[k], weights) * weights
 
-    columns = [column(k) for k in range(len(h.free))]
+    columns = list(predictions(problem.samples, column, range(len(h.free))))
     return np.array(columns).reshape(len(columns), problem.rows).T  # each column stays in one piece
 
 
