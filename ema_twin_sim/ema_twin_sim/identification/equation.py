@@ -125,8 +125,10 @@ class EquationErrorProblem(WeightedRows):
 
     def _in_noise(self, h: Hypothesis, plant: np.void, rows: np.ndarray) -> np.ndarray:
         """Rows (m,) in units of noise, from required torque [N m] and encoder difference [rad]."""
-        inertia = plant["motor_inertia"] + (plant["output_inertia"] if plant["two_inertia"] == 0.0 else 0.0)
+        rigid = plant["two_inertia"] == 0.0  # otherwise the output, and its inertia, is simulated
+        inertia = plant["motor_inertia"] + (plant["output_inertia"] if rigid else 0.0)
         torque = (rows[: self.size] + inertia * self.acceleration) / torque_scale(plant) + h.lag() * self.rate
+        torque += self.rest_torque @ (1.0, float(rigid))  # whatever the hypothesis: its noise would choose the smallest
         rows[: self.size] = torque / self.noise
         rows[self.size :] /= self.encoder_noise
         rows = self.whitened(rows)

@@ -33,23 +33,23 @@ def adaptive_acceleration(
     model: Model,
     reading: float,
     noise: float,
-    slow: np.ndarray,
+    corners: np.ndarray,
 ) -> np.ndarray:
     """Acceleration (m,) [rad/s2] at ``rows`` (m,) of what is known through a kernel of ``width`` [s] (m,).
 
-    ``signals`` (n,) and ``reading`` as in ``smoothed_motion``, whose second value is the ``noise`` [rad/s2]. Where the
-    machine is ``slow`` (n,), friction holds and releases it: no wide kernel smooths the corners that this makes.
+    ``signals`` (n,) and ``reading`` as in ``smoothed_motion``, whose second value is the ``noise`` [rad/s2]. No
+    wide kernel covers ``corners`` (n,): samples where friction may hold and release the machine, and gaps.
     """
     chosen = acceleration.copy()
     narrower = [(acceleration, noise)]
     wider = np.ones(len(rows), bool)  # rows whose last width agreed with all narrower ones
-    slow_before = np.concatenate([[0], np.cumsum(slow)])  # number of slow samples before each
+    corners_before = np.concatenate([[0], np.cumsum(corners)])  # number of them before each sample
     for times in _TIMES:
         signal, kernel, noise = _differentiator(signals, period, times * width, model, reading)
         half = len(kernel) // 2
         wider &= (rows >= half) & (rows < len(signal) - half)
         first, end = np.maximum(rows - half // 2, 0), np.minimum(rows + half // 2 + 1, len(signal))
-        wider &= slow_before[end] == slow_before[first]  # its outer half has almost no weight
+        wider &= corners_before[end] == corners_before[first]  # its outer half has almost no weight
         places = np.flatnonzero(wider)
         found = np.empty(len(places))
         smooth_at(np.ascontiguousarray(signal), kernel[::-1].copy(), rows[places], found)

@@ -29,11 +29,12 @@ class Observation:
     output_origin: float  # rad, the same of the output encoder
     kernel: np.ndarray
     rows: np.ndarray  # int64 (m,), samples at which the torque is judged
-    torque: np.ndarray  # (m,) nominal torque constant times current, smoothed; less what the model's inertia needs for
-    # the part of the acceleration that is as small as its noise, which so is no regressor
+    torque: np.ndarray  # (m,) nominal torque constant times current, smoothed
     torque_rate: np.ndarray  # (m,) its slope, N m/s
-    acceleration: np.ndarray  # (m,) rad/s2, without that part
-    acceleration_noise: float  # rad/s2, what the sensor's noise leaves in it and in that part
+    acceleration: np.ndarray  # (m,) rad/s2, smoothed as widely as its noise allows: what an inertia is fitted to
+    acceleration_rest: np.ndarray  # (m,) rad/s2, what a kernel as narrow as the torque's has beside it
+    acceleration_noise: float  # rad/s2, what the sensor's noise leaves in both together
+    inertias: tuple[float, float]  # kg m2, of the model: motor's side and output; they act on that rest
     torque_noise: np.ndarray  # (m,)
     torque_reading: float  # N m, the part of it that its sensors leave, no more than the model says
     torque_step: float  # N m, between adjacent readings of the current
@@ -83,6 +84,7 @@ class Observation:
             torque=self.torque[rows],
             torque_rate=self.torque_rate[rows],
             acceleration=self.acceleration[rows],
+            acceleration_rest=self.acceleration_rest[rows],
             torque_noise=self.torque_noise[rows],
             hit=self.hit[first:last],
             after_impact=self.after_impact[first:last],

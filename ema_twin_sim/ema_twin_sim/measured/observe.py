@@ -105,8 +105,9 @@ def observe(
     white = torque_noise(signals["current"], raw, kernel, model)
     if "load_torque" in signals:
         white = math.hypot(white, reading_noise(signals["load_torque"]) * float(np.linalg.norm(kernel)))
-    inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
-    noise = math.hypot(white, inertia * motion_noise) * shaken(hit)
+    motor, gearbox, output = (model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
+    inertias = (motor + gearbox, output)
+    noise = math.hypot(white, sum(inertias) * motion_noise) * shaken(hit)
     quiet = adaptive_acceleration(acceleration[rows], rows, signals, period, width, model, reading, motion_noise, slow)
     largest = min(model.value("drive.torque_limit"), LARGEST * float(np.abs(drive).max()))
     noise = np.maximum(noise, LEAST_NOISE * largest)
@@ -129,10 +130,12 @@ def observe(
         output_origin=output_origin,
         kernel=kernel,
         rows=rows,
-        torque=_at(drive, kernel, rows) - inertia * (acceleration[rows] - quiet),
+        torque=_at(drive, kernel, rows),
         torque_rate=smooth(drive, gaussian(width, period, 1))[rows],
         acceleration=quiet,
+        acceleration_rest=acceleration[rows] - quiet,
         acceleration_noise=motion_noise,
+        inertias=inertias,
         torque_noise=noise[rows],
         torque_reading=min(white, constant * model.value("sensors.current_noise") * float(np.linalg.norm(kernel))),
         torque_step=constant * smallest_step(raw),
@@ -214,7 +217,9 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
         torque=torque,
         torque_rate=np.zeros(count),
         acceleration=np.zeros(count),
+        acceleration_rest=np.zeros(count),
         acceleration_noise=0.0,
+        inertias=(0.0, 0.0),
         torque_noise=np.full(count, max(read, LEAST_NOISE * largest)),
         torque_reading=constant * model.value("sensors.current_noise"),
         torque_step=0.0,
@@ -275,7 +280,7 @@ def _too_noisy(found: Sequence[Observation]) -> bool:
 
     A regression finds it too small by the noise's share in the mean square of the acceleration (errors in variables).
     """
-    whole = sum(float(o.acceleration @ o.acceleration) for o in found)
+    whole = sum(float(np.sum((o.acceleration + o.acceleration_rest) ** 2)) for o in found)
     noise = sum(o.acceleration_noise**2 * len(o.rows) for o in found)
     return noise > SMALL**2 * (whole - noise)
 

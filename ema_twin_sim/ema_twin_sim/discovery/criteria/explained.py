@@ -55,7 +55,8 @@ def _nearly(problem: EquationErrorProblem, f: Fit) -> bool:
     beyond = 0.0
     for o, rows in zip(problem.observations, problem.torque_parts, strict=True):
         here = left[rows][slides[rows]]
-        read = math.hypot(o.torque_reading, inertia * o.acceleration_noise)
+        # in most rows the model's inertia acts on the noise, not the one found
+        read = math.hypot(o.torque_reading, min(inertia, sum(o.inertias)) * o.acceleration_noise)
         beyond += max(float(here @ here) - read**2 * len(here), 0.0)
     return beyond <= SMALL**2 * float(np.sum(problem.torque[slides] ** 2))
 
