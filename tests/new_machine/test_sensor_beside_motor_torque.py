@@ -13,7 +13,13 @@ SPEED = 20.0 * np.sin(3.1 * TIME) + 8.0 * np.sin(7.2 * TIME)
 LOAD = 3.0 * np.sin(0.9 * TIME) + 1.0
 FRICTION = 0.05 * SPEED + 0.5 * np.sign(SPEED)
 DRIVE = 0.02 * np.gradient(SPEED, TIME) + FRICTION + LOAD
-RANDOM = np.random.default_rng(8)
+RANDOM = np.random.default_rng()
+
+
+@pytest.fixture(autouse=True)
+def same_noise():
+    """Whichever tests ran before."""
+    RANDOM.bit_generator.state = np.random.default_rng(8).bit_generator.state
 
 
 def noisy(values, share=0.01):

@@ -58,7 +58,11 @@ def setpoint_shift(
     if source != "setpoint":
         return None
     totals: dict[str, ShiftSums] = {}
-    for each in sums:
+    known = list(sums)
+    most = max(map(len, known), default=0)
+    for each in known:
+        if len(each) < most:  # both encoders are compared over the same rows
+            continue
         for name, one in each.items():
             before = totals.get(name, ShiftSums(0.0, 0.0, 0.0))
             totals[name] = ShiftSums(before.along + one.along, before.speed + one.speed, before.power + one.power)

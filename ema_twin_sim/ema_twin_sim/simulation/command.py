@@ -102,7 +102,8 @@ def parse_command(text: str, *, start: float = 0.0, phase: float = 0.0) -> Comma
         if Path(text).suffix.lower() == ".csv" or Path(text).exists():
             return Command(text, False, _from_file(Path(text), start))
         raise InputError(f"command '{text}': unknown kind '{kind}'; give {FORMS}")
-    form = _EXAMPLES[shape]
+    # of a speed command the size is a speed, and a speed is an acceleration
+    form = f"speed-{_EXAMPLES[shape]}, and both per second" if speed else _EXAMPLES[shape]
     units = [unit for unit in _SHAPES[shape] if unit]
     if len(numbers) != len(units):
         raise InputError(f"command '{text}': {shape} takes {number_of(len(units), 'number')}; give {form}")

@@ -60,7 +60,7 @@ def refuse_foreign(
             f"{path}: is the result for model {origin.model} of machine {origin.machine}, but the models given are "
             f"{told}; {advice}"
         )
-    if not _bare(origin.recordings) & _bare(given):
+    if not {*origin.recordings} & {*given} and not _bare(origin.recordings) & _bare(given):
         raise InputError(
             f"{path}: was computed from {names_of(origin.recordings)}, but the recordings given are {names_of(given)}; "
             f"{advice}"

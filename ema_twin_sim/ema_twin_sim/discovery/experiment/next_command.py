@@ -105,7 +105,7 @@ def best_command(
     inseparable = tuple(pair for pair in field.pairs if pair not in separable)
     telling = [e for e in _varied(ranked) if _tells(e, so_far)]
     if not ranked or ranked[0] not in telling:
-        there = None if field.reversed or not field.pairs else _there_and_back(field, allowed)
+        there = None if field.reversed or not field.pairs else _there_and_back(field, allowed, few)
         return Choice(there, (), tuple(field.pairs), so_far)
     chosen = [ranked[0], *(e for e in telling if e is not ranked[0])]
     proposals = []
@@ -152,10 +152,10 @@ def _tells(e: Evaluated, so_far: Showing | None) -> bool:
     return max(e.separation.values(), default=0.0) >= DECIDED or bool(_shows(e, so_far))
 
 
-def _there_and_back(field: RivalField, limits: Limits) -> Proposal | None:
+def _there_and_back(field: RivalField, limits: Limits, few: bool) -> Proposal | None:
     """A triangle with at most half the allowed speed and travel; its outcome cannot be predicted."""
     half = replace(limits, speed=0.5 * limits.speed, lower=0.5 * limits.lower, upper=0.5 * limits.upper)
-    triangles = [trial for trial in field.grid(half, few=True) if trial.kind == "triangle"]
+    triangles = [trial for trial in field.grid(half, few=few) if trial.kind == "triangle"]
     if not triangles:
         return None
     trial = min(triangles, key=lambda trial: abs(trial.turns - _TURNS))

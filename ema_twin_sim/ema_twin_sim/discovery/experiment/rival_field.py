@@ -38,8 +38,8 @@ from .doubts import NOTHING, Doubt, Rival, reverses
 
 _STEP = 1.25e-4  # own s, integration step: a plan needs no finer one
 _AS_LONG = 2.0
-"""Among few commands, none lasts longer than this many times all recordings so far: a slow machine's own seconds are
-minutes, for which nobody waits who has recorded seconds and asked for no plan."""
+"""None of the few commands lasts longer than this many times all recordings so far. A slow joint's own seconds are
+minutes: a command of twenty takes longer to simulate than the search takes."""
 STEPS = 3  # iterations of a rival's fit to what another would show
 
 Pair = tuple[str, str]
