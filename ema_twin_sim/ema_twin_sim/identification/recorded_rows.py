@@ -25,7 +25,8 @@ class RecordedRows:
     torque: np.ndarray  # (s,) N m
     noise: np.ndarray  # (s,) N m, of the torque
     acceleration: np.ndarray  # (s,) rad/s^2
-    rest_torque: np.ndarray  # (s, 2) N m, for the rest of the acceleration: of the motor's side, and of the output
+    acceleration_rest: np.ndarray  # (s,) rad/s^2
+    rest_torque: np.ndarray  # (s,) N m, that the model's inertia needs for this rest
     rate: np.ndarray  # (s,) N m/s, of the torque
     encoder: np.ndarray  # (e,) rad, by how much the encoders differ
     encoder_noise: np.ndarray  # (e,) rad
@@ -64,7 +65,8 @@ class RecordedRows:
             torque=torque,
             noise=noise,
             acceleration=np.concatenate([o.acceleration for o in observations]),
-            rest_torque=np.concatenate([np.outer(o.acceleration_rest, o.inertias) for o in observations]),
+            acceleration_rest=np.concatenate([o.acceleration_rest for o in observations]),
+            rest_torque=np.concatenate([o.inertia * o.acceleration_rest for o in observations]),
             rate=np.concatenate([o.torque_rate for o in observations]),
             encoder=encoder,
             encoder_noise=encoder_noise,

@@ -34,7 +34,7 @@ class Observation:
     acceleration: np.ndarray  # (m,) rad/s2, smoothed as widely as its noise allows: what an inertia is fitted to
     acceleration_rest: np.ndarray  # (m,) rad/s2, what a kernel as narrow as the torque's has beside it
     acceleration_noise: float  # rad/s2, what the sensor's noise leaves in both together
-    inertias: tuple[float, float]  # kg m2, of the model: motor's side and output; they act on that rest
+    inertia: float  # kg m2, of the model, which acts on that rest if nothing lies between motor and output
     torque_noise: np.ndarray  # (m,)
     torque_reading: float  # N m, the part of it that its sensors leave, no more than the model says
     torque_step: float  # N m, between adjacent readings of the current

@@ -105,9 +105,8 @@ def observe(
     white = torque_noise(signals["current"], raw, kernel, model)
     if "load_torque" in signals:
         white = math.hypot(white, reading_noise(signals["load_torque"]) * float(np.linalg.norm(kernel)))
-    motor, gearbox, output = (model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
-    inertias = (motor + gearbox, output)
-    noise = math.hypot(white, sum(inertias) * motion_noise) * shaken(hit)
+    inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
+    noise = math.hypot(white, inertia * motion_noise) * shaken(hit)
     quiet = adaptive_acceleration(acceleration[rows], rows, signals, period, width, model, reading, motion_noise, slow)
     largest = min(model.value("drive.torque_limit"), LARGEST * float(np.abs(drive).max()))
     noise = np.maximum(noise, LEAST_NOISE * largest)
@@ -135,7 +134,7 @@ def observe(
         acceleration=quiet,
         acceleration_rest=acceleration[rows] - quiet,
         acceleration_noise=motion_noise,
-        inertias=inertias,
+        inertia=inertia,
         torque_noise=noise[rows],
         torque_reading=min(white, constant * model.value("sensors.current_noise") * float(np.linalg.norm(kernel))),
         torque_step=constant * smallest_step(raw),
@@ -219,7 +218,7 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
         acceleration=np.zeros(count),
         acceleration_rest=np.zeros(count),
         acceleration_noise=0.0,
-        inertias=(0.0, 0.0),
+        inertia=0.0,
         torque_noise=np.full(count, max(read, LEAST_NOISE * largest)),
         torque_reading=constant * model.value("sensors.current_noise"),
         torque_step=0.0,

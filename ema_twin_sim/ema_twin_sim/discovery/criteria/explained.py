@@ -56,7 +56,7 @@ def _nearly(problem: EquationErrorProblem, f: Fit) -> bool:
     for o, rows in zip(problem.observations, problem.torque_parts, strict=True):
         here = left[rows][slides[rows]]
         # in most rows the model's inertia acts on the noise, not the one found
-        read = math.hypot(o.torque_reading, min(inertia, sum(o.inertias)) * o.acceleration_noise)
+        read = math.hypot(o.torque_reading, min(inertia, o.inertia) * o.acceleration_noise)
         beyond += max(float(here @ here) - read**2 * len(here), 0.0)
     return beyond <= SMALL**2 * float(np.sum(problem.torque[slides] ** 2))
 
