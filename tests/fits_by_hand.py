@@ -35,6 +35,7 @@ def a_problem(
             torque_noise=np.full(rows, noise),
             torque_reading=reading,
             acceleration_noise=0.0,
+            inertia=1.0,
             coarse=coarse,
         )
         for k, rows in enumerate(torque_rows)

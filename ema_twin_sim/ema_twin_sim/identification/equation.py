@@ -127,8 +127,8 @@ class EquationErrorProblem(WeightedRows):
         """Rows (m,) in units of noise, from required torque [N m] and encoder difference [rad]."""
         rigid = plant["two_inertia"] == 0.0  # otherwise the output, and its inertia, is simulated
         inertia = plant["motor_inertia"] + (plant["output_inertia"] if rigid else 0.0)
-        # In all rigid hypotheses the model's inertia acts on the rest: its noise would choose the smallest. What springs
-        # and impacts do to the motor is too quick for a wide kernel.
+        # In all rigid hypotheses the model's inertia acts on the rest, since its noise would choose the smallest. What
+        # springs and impacts do to the motor is too quick for a wide kernel.
         acceleration = self.acceleration if rigid else self.acceleration + self.acceleration_rest
         torque = (rows[: self.size] + inertia * acceleration) / torque_scale(plant) + h.lag() * self.rate
         torque += self.rest_torque if rigid else 0.0
