@@ -35,7 +35,7 @@ def recordings():
         motion[:, SPEED] = 2.0 * (8.0 + k) * np.cos(2.0 * time)
         kernel = gaussian(0.01 * (1 + k), 0.01)
         inside = (o.rows >= len(kernel) // 2) & (o.rows < len(motion) - len(kernel) // 2)
-        measured = ("rows", "torque", "torque_rate", "acceleration", "torque_noise")
+        measured = ("rows", "torque", "torque_rate", "acceleration", "acceleration_rest", "torque_noise")
         kept = {name: getattr(o, name)[inside] for name in measured}
         found.append(replace(o, motion=motion, kernel=kernel, motor_origin=0.3 * k, **kept))
     return found
