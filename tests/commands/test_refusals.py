@@ -107,7 +107,7 @@ def test_live_replaces_nothing_but_its_own(tmp_path, ramp, imported):
     for file in files:
         file.write_text("precious")
     live = ("live", ramp, *MODEL, "--headless", "--force")
-    refused(*live, "--rrd", folder, naming=("folder", "--rrd"))
+    refused(*live, "--rrd", folder, naming=("folder: is a folder; name a file",))
     refused(*live, "--record", folder, naming=("other.mcap", "another folder"))
     files.pop().unlink()
     refused(*live[:-1], "--record", folder, naming=("--force",))

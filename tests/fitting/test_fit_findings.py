@@ -113,12 +113,13 @@ def test_a_fit_that_leaves_much_says_so(method, stock):
     """Whatever its rows are weighed by, what is left is held against the sensors' noise."""
     true = with_effects(stock, {"gravity_load": {"torque": 0.05, "angle": 0.3}, "cogging": {"torque": 0.05}})
     fitted = fit_model(bench(true, SLOW), stock, method=method)
-    assert any("times the sensors' noise: diagnose tells whether" in note for note in fitted.notes)
+    assert any(
+        "times the sensors' noise: compare tells what it depends on, diagnose whether" in note for note in fitted.notes
+    )
     play = with_effects(stock, {"backlash": {"width": 0.004}})
     fitted = fit_model(bench(with_effects(play, {"cogging": {"torque": 0.05}}), SLOW), play, method=method)
     assert any(
-        "impact timing off by 1 ms" in note and "diagnose tells whether an effect is missing" in note
-        for note in fitted.notes
+        "impact timing off by 1 ms" in note and "diagnose whether an effect is missing" in note for note in fitted.notes
     )
     right = fit_model(bench(stock, SLOW), stock, method=method)
     assert not any("times the sensors' noise" in note or "the model as it was" in note for note in right.notes)
