@@ -6,7 +6,6 @@ import sys
 import threading
 import time
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,9 +13,7 @@ import pytest
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.nodes.sample_codec import FIELDS, State
 from ema_bench_replay.recording import Recording
-from ema_twin_sim.commands.live_keys import Keys, told
-from ema_twin_sim.discovery.cautions import ALONE
-from ema_twin_sim.live.diagnosing.apply import Busy, NotDiagnosed, settings_for
+from ema_twin_sim.live.diagnosing.apply import settings_for
 from ema_twin_sim.live.diagnosing.frames import Answer, Job, receive_answer, receive_job, send
 from ema_twin_sim.live.diagnosing.judge import settings_between, still_missing
 from ema_twin_sim.live.diagnosing.worker_process import WorkerProcess
@@ -24,6 +21,7 @@ from ema_twin_sim.live.trend import Trend
 from ema_twin_sim.model import load_model
 from ema_twin_sim.nodes.diagnosing.answer import diagnosis_message
 from ema_twin_sim.nodes.diagnosing.history import ENOUGH, History
+from tests.judged_effects import BOTH, OF_BOTH, entry, judged
 
 PERIOD = 2_000_000
 
@@ -113,42 +111,23 @@ def test_jobs_and_answers_come_back_as_they_were_sent():
     assert receive_job(torn) is None
 
 
-def entry(effect, probability, found, **parameters):
-    numbers = {name: {"value": value, "std": 0.1 * value, "unit": "rad"} for name, value in parameters.items()}
-    return {
-        "instance": effect,
-        "effect": effect, "options": {}, "probability": probability, "error_removed": 0.5, "parameters": numbers,
-        "found": found,
-    }  # fmt: skip
-
-
-def judged(*ranking, verdict, none=0.0, unknown=0.0):
-    return {"verdict": verdict, "ranking": list(ranking), "none": none, "unknown": unknown, "warnings": []}
-
-
 class TestWhatIsMissingStill:
-    BOTH = judged(
-        entry("backlash", 0.98, True, width=0.004), entry("stribeck_friction", 0.97, True),
-        entry("cogging", 0.1, False),
-        verdict="backlash",
-    )  # fmt: skip
-
     def test_nothing_was_applied(self):
-        assert still_missing(self.BOTH, []) == self.BOTH
+        assert still_missing(BOTH, []) == BOTH
 
     def test_one_of_two_is_there(self):
-        left = still_missing(self.BOTH, [("backlash", ())])
+        left = still_missing(BOTH, [("backlash", ())])
         assert left["verdict"] == "stribeck_friction"
         assert [e["effect"] for e in left["ranking"]] == ["stribeck_friction", "cogging"]
 
     def test_all_are_there(self):
-        left = still_missing(self.BOTH, [("backlash", ()), ("stribeck_friction", ())])
+        left = still_missing(BOTH, [("backlash", ()), ("stribeck_friction", ())])
         assert left["verdict"] == "none"
         assert left["none"] == pytest.approx(1.0)
 
     def test_what_is_left_is_as_probable_as_it_was(self):
         """Effects are missing each by itself: that one is there now says nothing of the others."""
-        left = still_missing(self.BOTH, [("backlash", ())])
+        left = still_missing(BOTH, [("backlash", ())])
         assert [e["probability"] for e in left["ranking"]] == [0.97, 0.1] and left["none"] == 0.0
         alone = judged(entry("backlash", 0.98, True), verdict="backlash", unknown=0.02)
         assert still_missing(alone, [("backlash", ())])["none"] == pytest.approx(0.98)
@@ -157,15 +136,15 @@ class TestWhatIsMissingStill:
         assert (left["verdict"], left["none"], left["unknown"]) == ("unknown", 0.0, 0.98)
 
     def test_what_was_applied_and_does_not_show_is_told(self):
-        left = still_missing(self.BOTH, [("gravity_load", ())])
+        left = still_missing(BOTH, [("gravity_load", ())])
         assert any("gravity_load" in warning for warning in left["warnings"])
         assert left["verdict"] == "backlash"
 
 
 class TestWhatToSet:
     ANSWER = Answer(
-        TestWhatIsMissingStill.BOTH,
-        TestWhatIsMissingStill.BOTH["ranking"][:2],
+        BOTH,
+        BOTH["ranking"][:2],
         {
             "effects.backlash.width": 0.004, "effects.backlash.enabled": True,
             "effects.stribeck_friction.torque": 0.08, "effects.stribeck_friction.enabled": True,
@@ -208,83 +187,6 @@ class TestWhatToSet:
         assert dict(running.active) == dict(after.active)
         assert running.value("machine.motor_inertia") == 8e-4
         assert settings_between(after, after) == {}
-
-
-class Services:
-    """What the keys ask, without a graph."""
-
-    def __init__(self, found=None, words="", refused=None):
-        self.found, self.words, self.refused = found, words, refused
-
-    def diagnose(self):
-        if self.refused is not None:
-            raise self.refused
-        return self.found
-
-    def apply(self, effects):
-        if self.refused is not None:
-            raise self.refused
-        return self.words
-
-
-OF_BOTH = {
-    **TestWhatIsMissingStill.BOTH, "groups": [], "depends_on": [], "next_recording": "", "none": 0.0,
-    "warnings": [*ALONE, "current: clipped"],
-}  # fmt: skip
-
-
-class TestTheKeysOfALiveRun:
-    def pressed(self, key, capsys, services, **options):
-        keys = Keys(threading.Event(), **options)
-        comparison, model = SimpleNamespace(beyond_noise={}), SimpleNamespace(motion="rotary")
-        keys.begin(SimpleNamespace(diagnosis_services=services, comparison=comparison, model=model))
-        keys.press(key)
-        for thread in keys._threads:
-            thread.join()
-        return " ".join(capsys.readouterr().out.split())
-
-    def test_effects_that_are_all_missing_are_each_likely(self, capsys):
-        said = self.pressed("d", capsys, Services(diagnosis_message(OF_BOTH, 0, 1, 12.0)))
-        assert said.startswith("Diagnosing; this takes some seconds")
-        assert "backlash: 98 % likely" in said and "Stribeck friction: 97 % likely" in said
-        assert "cogging: 10 % likely" in said and "Press a to add them" in said
-        assert "current: clipped" in said and "give several" not in said
-
-    def test_a_key_that_does_nothing_is_answered_once_with_those_that_do(self, capsys):
-        said = self.pressed("x", capsys, Services())
-        assert said == "'x' does nothing. Keys: d diagnose a add the effects found q quit"
-        stop = threading.Event()
-        Keys(stop).take("\x1b[D")  # an arrow, which ends in the code of another key
-        assert capsys.readouterr().out.startswith("That key does nothing") and not stop.is_set()
-        Keys(stop).take("\nq")
-        assert stop.is_set() and not capsys.readouterr().out
-
-    def test_one_that_is_missing_is_likely(self):
-        one = {**OF_BOTH, "ranking": [entry("backlash", 1.0, True, width=0.004)]}
-        lines = told(diagnosis_message(one, 0, 1, 12.0), {})
-        assert lines[1].startswith("  backlash: 100 % likely") and "Press a to add it" in lines[2]
-
-    def test_adding_before_anything_was_looked_for(self, capsys):
-        said = self.pressed("a", capsys, Services(refused=NotDiagnosed("call monitor/diagnose first")))
-        assert "press d to diagnose first" in said and "monitor/diagnose" not in said
-        assert "nothing to add" in self.pressed("a", capsys, Services(refused=InputError("nothing to add")))
-
-    @pytest.mark.parametrize("key", ["a", "d"])
-    def test_a_key_while_a_diagnosis_runs_is_answered_for_a_person(self, capsys, key):
-        said = self.pressed(key, capsys, Services(refused=Busy("call again")))
-        assert "wait for its result, then press the key again" in said and "call again" not in said
-
-    def test_what_to_record_is_in_words(self):
-        why = "stribeck_friction(law=exponential) and a model without it would come apart by 29 standard deviations"
-        found = {**OF_BOTH, "next_recording": f"ramp:0.05 for 12 s: {why}, over the whole recording"}
-        line = next(line for line in told(diagnosis_message(found, 0, 1, 12.0), {}) if line.startswith("To confirm"))
-        assert "Stribeck friction (law exponential) and a model" in line and "over the whole recording" in line
-
-    def test_what_was_added_is_told_with_the_constants_and_where_it_is_kept(self, capsys):
-        services = Services(words="backlash width 4.0 mrad; and 7 constants refitted")
-        assert "and 7 constants refitted. Watch" in self.pressed("a", capsys, services)
-        assert "live with -o NEW to save it" in self.pressed("a", capsys, services)
-        assert "written to new.yaml at the end" in self.pressed("a", capsys, services, output=Path("new.yaml"))
 
 
 @pytest.mark.parametrize(("removed", "share"), [(1.226, 1.0), (-3.0, 0.0), (0.5, 0.5), (None, np.nan)])

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.measured.adaptive_acceleration import adaptive_acceleration
-from ema_twin_sim.measured.smoothed_motion import smoothed_motion
+from ema_twin_sim.measured.observe import observe
+from ema_twin_sim.measured.smoothed_motion import differentiator, smoothed_motion
 from tests.open_motor import open_motor
 from tests.recorded import record
 
@@ -28,8 +30,12 @@ def of(speed, motor, seed=1):
     rows = np.arange(50, len(speed) - 50, 10)
     motion, noise = smoothed_motion(signals, TIME, PERIOD, WIDTH, motor, 0.0, True)
     usual = motion[rows, 3]
-    slow = np.zeros(len(speed), bool)
-    return rows, usual, adaptive_acceleration(usual, rows, signals, PERIOD, WIDTH, motor, 0.0, noise, slow), noise
+    corners = np.zeros(len(speed), bool)
+    return rows, usual, adaptive_acceleration(usual, rows, noise, WIDTH, of_width(signals, motor), corners), noise
+
+
+def of_width(signals, motor):
+    return lambda width: differentiator(signals, PERIOD, width, motor, 0.0)
 
 
 def test_a_slow_motion_loses_nearly_all_its_noise_and_nothing_else(motor):
@@ -74,10 +80,26 @@ def test_corners_where_a_machine_stands_are_not_smoothed(motor):
     signals = {"current": np.zeros(len(TIME)), "speed": speed, "motor_position": np.cumsum(speed) * PERIOD}
     rows = np.arange(200, len(TIME) - 200, 10)
     usual = np.zeros(len(rows))
-    known = (usual, rows, signals, PERIOD, WIDTH, motor, 0.0, 1e6)
-    stays = adaptive_acceleration(*known, speed == 0.0) == usual
+    stays = adaptive_acceleration(usual, rows, 1e6, WIDTH, of_width(signals, motor), speed == 0.0) == usual
     near = np.abs(TIME[rows] - 4.0)
     assert stays[near < 5.0 * WIDTH].all() and not stays[(near > 20.0 * WIDTH) & (near < 30.0 * WIDTH)].any()
+
+
+def test_no_wide_kernel_covers_a_gap(motor):
+    """What is interpolated there has no noise, and no motion of its own."""
+    time = np.delete(TIME, slice(3000, 3400))
+    speed = 30.0 + 6.0 * np.sin(1.5 * time)
+    signals = {
+        "current": np.sin(1.5 * time),
+        "speed": speed + NOISE * np.random.default_rng(1).standard_normal(len(time)),
+        "motor_position": 30.0 * time - 4.0 * np.cos(1.5 * time),
+    }
+    o = observe(Recording("gap", np.rint(time * 1e9).astype(np.int64), signals), motor)
+    half = len(o.kernel) // 2
+    distance = np.where(o.rows < 3000, 3000 - o.rows, o.rows - 3400)
+    assert (distance > 0).all()
+    assert (o.acceleration_rest[distance < 1.4 * half] == 0.0).all()
+    assert (o.acceleration_rest[distance > 20 * half] != 0.0).mean() > 0.9
 
 
 @pytest.mark.slow

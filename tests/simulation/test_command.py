@@ -102,5 +102,5 @@ def test_numbers_of_a_linear_machine_are_in_metres():
     recording = virtual_bench(load_model("emps"), parse_command("ramp:0.05"), 1.0, seed=None)
     assert recording.motion == "linear"
     assert recording.signals["output_command"][-1] == pytest.approx(0.05)
-    with pytest.raises(InputError, match=r"takes 1 number; give ramp:SPEED, in rad/s \(m/s if the machine is linear\)"):
+    with pytest.raises(InputError, match=r"takes 1 number; give ramp:SPEED, the first number in rad/s \(m/s if "):
         parse_command("ramp:1:2")

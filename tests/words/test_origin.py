@@ -34,6 +34,10 @@ def test_a_result_of_other_recordings_is_refused(stock):
     with pytest.raises(InputError, match=told):
         refuse_foreign("--fit", FILE, ORIGIN, [own], ["run_3"])
     refuse_foreign("--fit", FILE, ORIGIN, [own], ["run_1 (monday)"])  # told apart from another of that name
+    copy = replace(ORIGIN, recordings=("run (1)",))
+    refuse_foreign("--fit", FILE, copy, [own], ["run (1)", "run (2)"])
+    with pytest.raises(InputError, match=r"computed from run \(1\)"):
+        refuse_foreign("--fit", FILE, copy, [own], ["run (2)"])
 
 
 def test_an_origin_is_read_where_it_is_told():

@@ -30,13 +30,9 @@ def no_nearer(
             why = "standstill counts here, and a fit leaves it out"
         elif hit:
             why = "teeth that meet 1 ms too early or too late can cause this"
-        nearer = [
-            signal
-            for signal in own_after
-            if tells(signal, own_after[signal], own_after) and _is_nearer(own_before[signal], own_after[signal])
-        ]
-        main = next(signal for signal in own_after if tells(signal, own_after[signal], own_after))
-        if main in nearer:
+        telling = [signal for signal, error in own_after.items() if tells(signal, error, own_after)]
+        nearer = [signal for signal in telling if _is_nearer(own_before[signal], own_after[signal])]
+        if telling[0] in nearer:
             return [
                 f"the error of the {_both(nearer, own_before, own_after, 'falls')}, but that of the "
                 f"{_both(farther, own_before, own_after)}; {why}"

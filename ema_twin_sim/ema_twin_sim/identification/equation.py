@@ -85,8 +85,7 @@ class EquationErrorProblem(WeightedRows):
     def predict(self, h: Hypothesis, beside: Prediction | None = None, *, side_by_side: bool = False) -> Prediction:
         """Predict the rows of a hypothesis; ``side_by_side``: in two threads, if nothing else runs.
 
-        If a prediction ``beside`` is given, the output moves as it does there: only the motor side
-        differs.
+        If a prediction ``beside`` is given, the output moves as it does there: only the motor side differs.
         """
         assembly = assemble(h.model())
         plant = assembly.plant[0]

@@ -13,11 +13,10 @@ second order: a single one would make a slow acceleration too small, and so the 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
-from ..model import Model
-from .smoothed_motion import differentiator
 from .smoothing import smooth_at
 
 _TIMES = (2.0, 4.0, 8.0)  # widths, over the usual one
@@ -27,25 +26,23 @@ _AGREE = 3.0  # standard deviations of the narrower one's noise within which two
 def adaptive_acceleration(
     acceleration: np.ndarray,
     rows: np.ndarray,
-    signals: dict[str, np.ndarray],
-    period: float,
-    width: float,
-    model: Model,
-    reading: float,
     noise: float,
+    width: float,
+    differentiate: Callable[[float], tuple[np.ndarray, np.ndarray, float]],
     corners: np.ndarray,
 ) -> np.ndarray:
     """Acceleration (m,) [rad/s2] at ``rows`` (m,) of what is known through a kernel of ``width`` [s] (m,).
 
-    ``signals`` (n,) and ``reading`` as in ``smoothed_motion``, whose second value is the ``noise`` [rad/s2]. No
-    wide kernel covers ``corners`` (n,): samples where friction may hold and release the machine, and gaps.
+    ``noise`` [rad/s2] is what the sensor leaves in it, ``differentiate`` the ``differentiator`` of the signals as a
+    function of the width. No wide kernel covers ``corners`` (n,): samples where friction may hold and release the
+    machine, and gaps.
     """
     chosen = acceleration.copy()
     narrower = [(acceleration, noise)]
     wider = np.ones(len(rows), bool)  # rows whose last width agreed with all narrower ones
     corners_before = np.concatenate([[0], np.cumsum(corners)])  # number of them before each sample
     for times in _TIMES:
-        signal, kernel, noise = _differentiator(signals, period, times * width, model, reading)
+        signal, kernel, noise = _to_third_order(differentiate, times * width)
         half = len(kernel) // 2
         wider &= (rows >= half) & (rows < len(signal) - half)
         first, end = np.maximum(rows - half // 2, 0), np.minimum(rows + half // 2 + 1, len(signal))
@@ -64,13 +61,13 @@ def adaptive_acceleration(
     return chosen
 
 
-def _differentiator(
-    signals: dict[str, np.ndarray], period: float, width: float, model: Model, reading: float
+def _to_third_order(
+    differentiate: Callable[[float], tuple[np.ndarray, np.ndarray, float]], width: float
 ) -> tuple[np.ndarray, np.ndarray, float]:
-    """As ``differentiator``, without an error of second order."""
-    signal, once, noise = differentiator(signals, period, width, model, reading)
-    _, kernel, _ = differentiator(signals, period, math.sqrt(2.0) * width, model, reading)
-    kernel = -kernel
+    """As ``differentiate``, without an error of second order."""
+    signal, once, noise = differentiate(width)
+    _, wider, _ = differentiate(math.sqrt(2.0) * width)
+    kernel = -wider
     beyond = len(kernel) // 2 - len(once) // 2
     kernel[beyond : len(kernel) - beyond] += 2.0 * once
     return signal, kernel, noise * float(np.linalg.norm(kernel) / np.linalg.norm(once))

@@ -30,7 +30,7 @@ from .bandwidth import narrowest, narrowest_of_speed
 from .observation import Observation
 from .row_noise import encoder_noise, rounding_noise, shaken, smallest_step, torque_noise
 from .sliding import moving_maximum
-from .smoothed_motion import COUNTER_WIDTH, LEAST_PERIODS, WIDTH, even, smoothed_motion, usual_step
+from .smoothed_motion import COUNTER_WIDTH, LEAST_PERIODS, WIDTH, differentiator, even, smoothed_motion, usual_step
 from .smoothing import gaussian, smooth, smooth_at
 from .spoilt_samples import counter_jumps
 from .unjudgeable import refuse_incomplete, refuse_unchanging, too_little_motion
@@ -107,7 +107,14 @@ def observe(
         white = math.hypot(white, reading_noise(signals["load_torque"]) * float(np.linalg.norm(kernel)))
     inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
     noise = math.hypot(white, inertia * motion_noise) * shaken(hit)
-    quiet = adaptive_acceleration(acceleration[rows], rows, signals, period, width, model, reading, motion_noise, slow)
+    quiet = adaptive_acceleration(
+        acceleration[rows],
+        rows,
+        motion_noise,
+        width,
+        lambda wide: differentiator(signals, period, wide, model, reading),
+        slow | ~whole,
+    )
     largest = min(model.value("drive.torque_limit"), LARGEST * float(np.abs(drive).max()))
     noise = np.maximum(noise, LEAST_NOISE * largest)
     parted = _Parted(centres[:0], np.zeros(0), np.zeros(0), centres[:0])

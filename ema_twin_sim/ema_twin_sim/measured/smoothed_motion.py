@@ -75,11 +75,12 @@ def smoothed_motion(
     ``reading`` [rad] is the standard deviation of one reading of the motor's counter.
     """
     position = signals["motor_position"]
+    _, kernel, noise = differentiator(signals, period, width, model, reading)
     if "speed" in signals:
         smoothing = model.value("sensors.speed_smoothing")
         speed = smooth(signals["speed"], gaussian(period, period))
         speed += smoothing * smooth(signals["speed"], gaussian(period, period, 1))
-        acceleration = smooth(signals["speed"], slope(width, period, smoothing))
+        acceleration = smooth(signals["speed"], kernel)
         travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * period)])
         angle = travelled + smooth(position - travelled, gaussian(COUNTER_PULL, period))
     else:
@@ -88,11 +89,10 @@ def smoothed_motion(
             speed_width = narrowest_for_speed(period, reading, speed_width, period / 2.0, STANDSTILL)
         speed = smooth_way(position, gaussian(speed_width, period, 1))
         angle = smooth_way(position, gaussian(speed_width, period))
-        acceleration = smooth_way(position, gaussian(width, period, 2))
+        acceleration = smooth_way(position, kernel)
     output = signals.get("output_position", angle / model.value("machine.gear_ratio"))
     load = signals.get("load_torque", np.zeros(len(time)))
-    motion = np.stack([time, angle, speed, acceleration, signals["current"], output, load], axis=1)
-    return motion, differentiator(signals, period, width, model, reading)[2]
+    return np.stack([time, angle, speed, acceleration, signals["current"], output, load], axis=1), noise
 
 
 def differentiator(

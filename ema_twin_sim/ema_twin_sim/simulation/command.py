@@ -26,17 +26,16 @@ _SHAPES = {
     "triangle": ("rad/s or m/s", "s (half period)"),
     "step": ("rad or m", "s (half period)"),
 }
-FORMS = (
-    "ramp:SPEED, sine:SIZE:HZ, triangle:SPEED:HALF_PERIOD_S, step:SIZE:HALF_PERIOD_S (rad and rad/s; m and m/s of a "
-    "linear machine), prefix speed- for a speed command, a CSV file of time [s], position [rad or m], or a YAML file "
-    "that plan wrote"
-)
-_EXAMPLES = {
-    "ramp": "ramp:SPEED, in rad/s (m/s if the machine is linear)",
-    "sine": "sine:SIZE:HZ, the size in rad (m if the machine is linear)",
-    "triangle": "triangle:SPEED:HALF_PERIOD_S, the speed in rad/s (m/s if the machine is linear)",
-    "step": "step:SIZE:HALF_PERIOD_S, the size in rad (m if the machine is linear)",
+_FORMS = {
+    "ramp": "ramp:SPEED",
+    "sine": "sine:SIZE:HZ",
+    "triangle": "triangle:SPEED:HALF_PERIOD_S",
+    "step": "step:SIZE:HALF_PERIOD_S",
 }
+FORMS = (
+    f"{', '.join(_FORMS.values())} (rad and rad/s; m and m/s of a linear machine), prefix speed- for a speed command, "
+    "a CSV file of time [s], position [rad or m], or a YAML file that plan wrote"
+)
 _WORDS = {
     "ramp": "a ramp of {0:g} {unit}/s",
     "sine": "a sine of ±{0:g} {unit} at {1:g} Hz",
@@ -102,9 +101,13 @@ def parse_command(text: str, *, start: float = 0.0, phase: float = 0.0) -> Comma
         if Path(text).suffix.lower() == ".csv" or Path(text).exists():
             return Command(text, False, _from_file(Path(text), start))
         raise InputError(f"command '{text}': unknown kind '{kind}'; give {FORMS}")
-    # of a speed command the size is a speed, and a speed is an acceleration
-    form = f"speed-{_EXAMPLES[shape]}, and both per second" if speed else _EXAMPLES[shape]
     units = [unit for unit in _SHAPES[shape] if unit]
+    rotary, linear = units[0].split(" or ")
+    per_second = ("/s" if "/" not in rotary else "²") if speed else ""
+    form = (
+        f"{'speed-' if speed else ''}{_FORMS[shape]}, the first number in {rotary}{per_second} "
+        f"({linear}{per_second} if the machine is linear)"
+    )
     if len(numbers) != len(units):
         raise InputError(f"command '{text}': {shape} takes {number_of(len(units), 'number')}; give {form}")
     try:

@@ -25,12 +25,12 @@ class Origin:
 
     def differs(self, recordings: Sequence[str]) -> bool:
         """Whether these recordings are others than those of the result, or not all of them."""
-        return _bare(self.recordings) != _bare(recordings)
+        return not (_all_in(self.recordings, recordings) and _all_in(recordings, self.recordings))
 
-    def sentence(self, verb: str) -> str:
+    def sentence(self, what: str) -> str:
         """What was used: ``The search used the recordings a and b.``"""
         one = "recording" if len(self.recordings) == 1 else "recordings"
-        return f"The {verb} used the {one} {names_of(self.recordings)}, and model {self.model}."
+        return f"The {what} used the {one} {names_of(self.recordings)}, and model {self.model}."
 
 
 def read_origin(content: Mapping[str, Any]) -> Origin | None:
@@ -60,7 +60,7 @@ def refuse_foreign(
             f"{path}: is the result for model {origin.model} of machine {origin.machine}, but the models given are "
             f"{told}; {advice}"
         )
-    if not {*origin.recordings} & {*given} and not _bare(origin.recordings) & _bare(given):
+    if not any(_is_in(name, given) for name in origin.recordings):
         raise InputError(
             f"{path}: was computed from {names_of(origin.recordings)}, but the recordings given are {names_of(given)}; "
             f"{advice}"
@@ -73,6 +73,10 @@ def names_of(names: Sequence[str]) -> str:
     return listed(shown)
 
 
-def _bare(names: Iterable[str]) -> set[str]:
-    """The names without the folder that is added to tell equal ones apart: ``run (monday)`` is ``run``."""
-    return {name.partition(" (")[0] for name in names}
+def _is_in(name: str, names: Sequence[str]) -> bool:
+    """Whether a recording is one of others; to tell equal names apart, a folder may follow: ``run (monday)``."""
+    return any(name == other or name.startswith(f"{other} (") or other.startswith(f"{name} (") for other in names)
+
+
+def _all_in(names: Sequence[str], others: Sequence[str]) -> bool:
+    return all(_is_in(name, others) for name in names)
