@@ -18,6 +18,7 @@ METHOD = {
     "measured/bandwidth.py": "NARROWER",
     "measured/drive_regression.py": "PIECE",
     "measured/folds.py": "FEWEST_OF_BOTH BLOCKS",
+    "measured/induced_voltage.py": "BUS",
     "measured/load_sensor.py": "_WIDTH _SHARE _ENDS _FEWEST_POINTS _SPEED _MOVING _MOTION",
     "measured/observe.py": "START JITTER LEAST_NOISE WIDER LARGEST",
     "measured/order_spectrum.py": "_ANGLE_BINS _LARGEST _FINER",

@@ -9,8 +9,11 @@ from recorded import scaled, with_signals
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
+from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.measured import drive_regression
-from ema_twin_sim.measured.consistency import inconsistencies
+from ema_twin_sim.measured.consistency import inconsistencies, refuse_inconsistent
 from ema_twin_sim.measured.drive_regression import agreed_sign, sign_of_drive
 from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.model import load_model
@@ -119,15 +122,24 @@ def test_a_torque_that_takes_energy_out_of_a_machine_with_friction_is_reversed(j
 
 
 def test_one_recording_does_not_turn_what_others_tell(joint):
-    """One map reads them all: opposite signs leave it undecided, and a reversed one is still refused."""
+    """One map reads them all: opposite signs are a question that names both, and a sign that all have is refused."""
 
     def told(recordings):
         own, its_model = to_own_units(recordings, joint)
-        return [str(found) for recording in own for found in inconsistencies(recording, its_model, own)]
+        return refuse_inconsistent(own, its_model)
 
-    assert not told([driven(1.0), driven(-1.0)])
-    assert all("sign were turned round" in said for said in told([driven(-1.0), driven(-1.0)]))
-    assert len(told([driven(-1.0), shaken(0.02)])) == 1
+    [asked] = told([replace(driven(1.0), name="forward"), replace(driven(-1.0), name="reversed")])
+    assert asked.startswith("reversed: ") and "sign were turned round, but not in forward" in asked
+    for reversed_ones in ([driven(-1.0), driven(-1.0)], [driven(-1.0), shaken(0.02)]):
+        with pytest.raises(InputError, match="sign were turned round; check"):
+            told(reversed_ones)
+
+
+def test_discover_fit_and_compare_ask_about_a_sign_that_differs(joint):
+    recordings = [replace(driven(1.0), name="forward"), replace(driven(-1.0), name="reversed")]
+    assert "but not in forward" in discover(recordings, joint).misread[0]
+    assert "but not in forward" in compare(recordings, joint).misread[0]
+    assert any("but not in forward" in found.message for found in fit_model(recordings, joint).warnings)
 
 
 def test_signs_that_disagree_tell_nothing():

@@ -246,6 +246,7 @@ def discover(
     end = given if as_given else with_hidden_as_given(better, given, recordings)
     refitted = {} if as_given or not problem.size else constants(best, errors, given)
     misread = (
+        *read.doubts,
         *unusual_currents(read.given, given),
         *(off_by_one_factor(refitted, given) if model.is_open else ()),
     )

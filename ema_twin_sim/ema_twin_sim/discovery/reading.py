@@ -41,6 +41,7 @@ class Reading:
     awake: Model  # the same with them
     problem: EquationErrorProblem
     null: Hypothesis
+    doubts: tuple[str, ...]  # about signs of the recordings
 
 
 def read_with_one_zero(recordings: Sequence[Recording], given: Model) -> Reading:
@@ -61,7 +62,7 @@ def _read(recordings: Sequence[Recording], given: Model) -> Reading:
     own, awake = to_own_units(measured, given)
     own = operating_point_folds(own, awake)
     model = with_output_held(at_rest(awake, own), own)
-    refuse_inconsistent(own, model)
+    doubts = refuse_inconsistent(own, model)
     problem = EquationErrorProblem([with_switching_ripple(o, model) for o in observe_all(list(own), model)])
     return Reading(
         given=recordings,
@@ -74,4 +75,5 @@ def _read(recordings: Sequence[Recording], given: Model) -> Reading:
         awake=awake,
         problem=problem,
         null=with_assumed_constant_free(null_hypothesis(model, by_torque=problem.size > 0), own),
+        doubts=doubts,
     )

@@ -126,7 +126,7 @@ def fit_model(
     recordings, model = to_own_units(recordings, model)
     recordings, awake = operating_point_folds(recordings, model), model
     model = at_rest(model, recordings)
-    refuse_inconsistent(recordings, model)
+    doubts = refuse_inconsistent(recordings, model)
     sources = [choose_input(recording, model, source) for recording in recordings]
     method = method or ("equation" if {"current", POINTWISE} & {*sources} else "simulation")
     if method == "simulation" and POINTWISE in sources:
@@ -154,6 +154,7 @@ def fit_model(
     values[untold] = freedom.start[untold]
     fitted = freedom.at(values)
     findings = asleep(awake, model) + find(solution, sure, fitted, method, circumstances(recordings, fitted))
+    findings += [Finding("recording", "", "", text) for text in doubts]
     findings += [Finding("recording", r.name, "", text) for r in recordings for text in r.warnings]
     blind = without_common_zero(recordings, fitted.active.values())
     findings += [Finding("recording", recordings[0].name, "", text) for text in blind]

@@ -18,10 +18,12 @@ from ema_bench_replay.recording import Recording
 from ..criteria import ALL_BUT_SPIKES, NOISY, PART, TOO_MUCH
 from ..model import Model
 from ..model.matching import BY_TORQUE
+from ..model.model_file import TORQUE_CONSTANT
 from ..model.own_units import shown
 from ..quantities import quantity
 from .drive_regression import sign_of_drive, torque_over_inertia
 from .idle_drive import idle_current
+from .induced_voltage import BUS, impossible_voltage
 from .load_sensor import falls_with_load
 from .signal_factors import DEGREES, usual_mistake, wrong_factors
 from .way_by_speed import standing_position
@@ -37,7 +39,8 @@ _ALSO = {
 class Inconsistency:
     """One signal that does not fit another, in words; ``remedy`` says what to check.
 
-    ``kind`` is the same for the same mistake in another recording, ``times`` the factor by which it is off here.
+    ``kind`` is the same for the same mistake in another recording, ``times`` the factor by which it is off here. What
+    is not ``certain`` is a question, and stops nothing.
     """
 
     recording: str
@@ -45,6 +48,7 @@ class Inconsistency:
     remedy: str
     kind: str
     times: float = 1.0
+    certain: bool = True
 
     def __str__(self) -> str:
         return f"{self.recording}: {self.what}; {self.remedy}"
@@ -63,11 +67,15 @@ def _with_number(alike: Sequence[Inconsistency], count: int) -> str:
     return f"{len(alike)} of {count} recordings, the worst is {worst}" if len(alike) > 1 else str(worst)
 
 
-def refuse_inconsistent(recordings: Sequence[Recording], model: Model) -> None:
-    """Raise InputError with the first signal that does not fit the others."""
+def refuse_inconsistent(recordings: Sequence[Recording], model: Model) -> tuple[str, ...]:
+    """Raise InputError with the first signal that does not fit the others; returns what is only doubtful."""
+    doubts = []
     for recording in recordings:
         for found in inconsistencies(recording, model, recordings):
-            raise InputError(str(found))
+            if found.certain:
+                raise InputError(str(found))
+            doubts.append(found)
+    return tuple(told_once(doubts, len(recordings)))
 
 
 def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recording] = ()) -> Iterator[Inconsistency]:
@@ -77,6 +85,7 @@ def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recordi
     """
     if recording.of_points:
         yield from _by_load(recording)
+        yield from _by_voltage(recording, model)
         return
     yield from _by_factor(recording, model, beside)
     yield from _by_standing(recording, model)
@@ -85,6 +94,7 @@ def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recordi
     yield from _by_noise(recording, model, beside)
     yield from _by_idle_drive(recording, model, beside)
     yield from _by_inertia(recording, model, beside)
+    yield from _by_voltage(recording, model)
 
 
 def _by_factor(recording: Recording, model: Model, beside: Sequence[Recording]) -> Iterator[Inconsistency]:
@@ -244,12 +254,32 @@ def _of_unknown_inertia(model: Model) -> bool:
 def _by_friction(recording: Recording, model: Model, beside: Sequence[Recording]) -> Iterator[Inconsistency]:
     """Whether the current works against inertia and friction, of whatever size, and not with them.
 
-    One map reads all recordings ``beside`` this one, so the sign is undecided if any of them tells the other.
+    One map reads all recordings ``beside`` this one, so if any of them tells the other sign, this is a question.
     """
-    if sign_of_drive(recording, model) < 0 and not any(sign_of_drive(other, model) > 0 for other in beside):
+    if sign_of_drive(recording, model) >= 0:
+        return
+    other = next((other.name for other in beside if sign_of_drive(other, model) > 0), None)
+    yield Inconsistency(
+        recording.name,
+        "the current pushes against inertia and friction, as if its sign were turned round"
+        + (f", but not in {other}" if other else ""),
+        "check the sign of current and of the positions in the import map (`factor: -1` turns one)"
+        + (", and whether both were recorded alike" if other else ""),
+        "sign of the current",
+        certain=other is None,
+    )
+
+
+def _by_voltage(recording: Recording, model: Model) -> Iterator[Inconsistency]:
+    """Whether a motor with the model's torque constant could turn as fast as recorded."""
+    voltage = impossible_voltage(recording, model)
+    if voltage is not None:
+        constant = quantity(*shown(model, model.value(TORQUE_CONSTANT), "N m/A"))
         yield Inconsistency(
             recording.name,
-            "the current pushes against inertia and friction, as if its sign were turned round",
-            "check the sign of current and of the positions in the import map (`factor: -1` turns one)",
-            "sign of the current",
+            f"a motor of {constant} would induce {quantity(voltage, 'V')} at its recorded speed, where a drive has "
+            f"{BUS:g} V",
+            f"check unit and shaft of {TORQUE_CONSTANT} in the model, and the unit of the motion in the import map",
+            "induced voltage",
+            voltage / BUS,
         )

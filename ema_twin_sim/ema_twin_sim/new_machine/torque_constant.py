@@ -15,6 +15,7 @@ from ema_bench_replay.recording import Recording
 from ema_bench_replay.units import unit_in
 
 from ..criteria import NEGLIGIBLE, SMALL, TOO_MUCH
+from ..measured.induced_voltage import BUS
 from ..model.check_comment import ASSUMED, REMEDIES
 from ..model.constants import CONSTANTS
 from ..model.model_file import TORQUE_CONSTANT
@@ -24,9 +25,6 @@ from .torque_beside_current import proportion
 TORQUE_OVER_CURRENT = "torque over current of the recording"
 """The source of a torque constant that two columns show."""
 
-BUS = 600.0
-"""V that a motor may induce: about the DC link of a drive at a mains of 400 V, as most servo drives are (565 V,
-rectified). Drives of small motors and robots have 24 to 325 V."""
 RATED_SPEED = 1000.0 * 2.0 * math.pi / 60.0
 """rad/s, the lowest rated speed of motors behind a gear."""
 

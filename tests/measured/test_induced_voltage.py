@@ -1,0 +1,58 @@
+"""A torque constant that would induce more volts than any drive has is a wrong unit, or that of another shaft."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from open_motor import open_motor
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+from ema_twin_sim.measured.consistency import refuse_inconsistent
+from ema_twin_sim.measured.scales import to_own_units
+from ema_twin_sim.model.matching import BY_TORQUE
+from ema_twin_sim.model.model_file import TORQUE_CONSTANT
+
+TIME = 1e-3 * np.arange(4000)
+SPEED = 250.0 * np.sin(3.0 * TIME)
+"""A motor of 0.07 N m/A induces 18 V here."""
+
+
+def turning(*signals, **metadata):
+    random = np.random.default_rng(7)
+    torque = 0.05 * np.sign(SPEED) + 1e-3 * np.gradient(SPEED, 1e-3)
+    every = {
+        "speed": SPEED + random.normal(0.0, 0.05, len(TIME)),
+        "motor_position": 1e-3 * np.cumsum(SPEED),
+        "current": torque / 0.07 + random.normal(0.0, 0.01, len(TIME)),
+    }
+    return Recording("turning", 1_000_000 * np.arange(len(TIME)), {n: every[n] for n in signals}, metadata=metadata)
+
+
+def told(recording, torque_constant, source="data sheet"):
+    model = open_motor(torque_constant, 0.01, 1e-3)
+    known = replace(model.constants[TORQUE_CONSTANT], source=source)
+    return refuse_inconsistent(
+        *to_own_units([recording], replace(model, constants={**model.constants, TORQUE_CONSTANT: known}))
+    )
+
+
+@pytest.mark.parametrize("motion", [("speed",), ("motor_position",), ("speed", "motor_position")])
+def test_a_torque_constant_read_in_the_wrong_unit_is_refused(motion):
+    recording = turning("current", *motion)
+    assert told(recording, 0.07) == ()
+    with pytest.raises(InputError, match=r"turning: a motor of 70.0 N m/A would induce 17\.. kV .* a drive has 600 V"):
+        told(recording, 70.0)
+
+
+def test_a_motion_read_in_the_wrong_unit_is_refused():
+    """The speed of a motor that induces 60 V at 1000 rad/s, read in degrees: 57 times as much."""
+    fast = turning("current", "speed")
+    wrong = Recording("fast", fast.stamps, {**fast.signals, "speed": fast.signals["speed"] * 57.3 * 4.0})
+    with pytest.raises(InputError, match="unit of the motion in the import map"):
+        told(wrong, 0.06)
+
+
+def test_a_torque_constant_that_is_assumed_or_does_not_count_is_left_in_peace():
+    assert told(turning("current", "speed", **{BY_TORQUE: "yes"}), 70.0) == ()
+    assert told(turning("current", "speed"), 70.0, "assumed") == ()
