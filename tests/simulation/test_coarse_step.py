@@ -5,11 +5,16 @@ That this is converged is a test of the plant.
 
 import dataclasses
 
+import numpy as np
 import pytest
+import yaml
 
+from ema_bench_replay.recording import Recording
 from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.fidelity import DEFAULT_STEP
 from ema_twin_sim.simulation.longest_step import coarse_step
+from ema_twin_sim.simulation.simulate import simulate
+from ema_twin_sim.simulation.twin import Twin
 
 
 def changed(model, path, value):
@@ -31,3 +36,39 @@ def test_stiff_teeth_and_fine_models_keep_their_own(stock):
     stiff = changed(geared, "transmission.contact_stiffness", 300.0 * geared.value("transmission.contact_stiffness"))
     assert coarse_step(stiff) is None
     assert coarse_step(load_model("polito_hf")) is None
+
+
+def without_drive(tmp_path, period):
+    """A motor of which only currents are recorded, once in a ``period`` [s]; it stops within a second."""
+    model = {
+        "version": 1,
+        "machine": {
+            "inertia": {"value": 0.1, "unit": "kg m^2", "source": "made up"},
+            "torque_constant": {"value": 1.0, "unit": "N m/A", "source": "made up"},
+        },
+        "sensors": {"sample_period": {"value": period, "unit": "s", "source": "made up"}},
+        "effects": {"viscous_friction": {"effect": "viscous_friction", "parameters": {"coefficient": 0.2}}},
+    }
+    place = tmp_path / "logged.yaml"
+    place.write_text(yaml.safe_dump(model))
+    return load_model(place)
+
+
+@pytest.mark.parametrize(("period", "step"), [(0.2, 5e-3), (2e-3, 5e-5), (1e-3, DEFAULT_STEP), (1e-4, DEFAULT_STEP)])
+def test_a_slow_log_without_a_drive_takes_forty_steps_a_sample(tmp_path, period, step):
+    """No controller runs between its samples. A fast one keeps the usual step."""
+    model = without_drive(tmp_path, period)
+    assert Twin(model, "current").step == pytest.approx(step)
+    assert coarse_step(model) == pytest.approx(2.0 * step)
+
+
+def test_such_steps_are_converged(tmp_path):
+    model = without_drive(tmp_path, 0.2)
+    time = 0.2 * np.arange(200)
+    signals = {"current": 2.0 * np.sin(0.8 * time), "motor_position": np.zeros(200), "speed": np.zeros(200)}
+    recording = Recording("log", np.round(time * 1e9).astype(np.int64), signals)
+    usual, coarse, fine = (simulate(model, recording, step=step).signals for step in (None, coarse_step(model), 1e-4))
+    for name in ("speed", "motor_position"):
+        assert np.ptp(fine[name]) > 1.0
+        for found in (usual, coarse):
+            assert found[name] == pytest.approx(fine[name], abs=5e-3 * np.ptp(fine[name]))

@@ -13,6 +13,7 @@ from ema_bench_replay.errors import InputError
 from ..effects import catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
+from ..model.model_file import CONTROL_CYCLE
 from ..model.planetary_constants import DAMAGED_WHEELS, PLANETARY_CONSTANTS, RUNOUT_WHEELS
 from ..model.roles import SPRING
 from ..plant.energy import ENERGIES
@@ -79,8 +80,11 @@ def fine_parts(model: Model, plant: np.void) -> FineParts:
 
 
 def own_step(model: Model, asked: float | None) -> float:
-    """The step of a model in own units, default or ``asked``: a fifth of a control cycle instead of 25 µs."""
-    return (asked or DEFAULT_STEP) / DEFAULT_STEP * CYCLE_SHARE * model.value("drive.control_cycle")
+    """The step of a model in own units, or of one without a drive: a fifth of a control cycle instead of 25 µs.
+
+    ``asked`` is another one than these 25 µs.
+    """
+    return (asked or DEFAULT_STEP) / DEFAULT_STEP * CYCLE_SHARE * model.value(CONTROL_CYCLE)
 
 
 def usual_step(parts: FineParts) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 
 from ..model import Model
+from ..model.model_file import CONTROL_CYCLE, without_drive
 from .assembly import Assembly, assemble
 from .fidelity import CYCLE_SHARE, DEFAULT_STEP, FineParts, is_fine
 
@@ -48,7 +49,10 @@ def coarse_step(model: Model) -> float | None:
     step = COARSE * DEFAULT_STEP
     if model.units is not None:  # such steps are told as shares of the cycle, and shortened where necessary
         return step
-    step = min(step, COARSE * CYCLE_SHARE * model.value("drive.control_cycle"))
+    of_cycle = COARSE * CYCLE_SHARE * model.value(CONTROL_CYCLE)
+    if without_drive(model.constants):
+        return min(of_cycle, longest_step(assemble(model))[0])
+    step = min(step, of_cycle)
     return step if DEFAULT_STEP < step <= longest_step(assemble(model))[0] else None
 
 

@@ -14,6 +14,7 @@ from ..effects import catalogue
 from ..model import EffectInstance, Model
 from ..model.constants import CONSTANTS
 from ..model.model import parameter_range
+from ..model.model_file import without_drive
 from ..plant.kernel import kernel
 from ..plant.layout import (
     BENCH,
@@ -90,8 +91,9 @@ class Twin:
     ) -> None:
         if source not in INPUTS:
             raise InputError(f"input '{source}' is not known; give one of {', '.join(INPUTS)}")
-        if step is not None and not 1e-8 <= step <= 1e-3:
-            raise InputError(f"step {step} s is out of range; give 1e-8 to 1e-3 s")
+        longest = max(1e-3, model.value("drive.control_cycle"))
+        if step is not None and not 1e-8 <= step <= longest:
+            raise InputError(f"step {step} s is out of range; give 1e-8 to {longest:g} s")
         if switchable:
             model = with_all_effects(model)
         self.source = INPUTS.index(source)
@@ -307,10 +309,11 @@ class Twin:
     def _take(self, model: Model) -> None:
         assembly = assemble(model, by_current=self.source == CURRENT)
         parts = assembly.fine
-        if model.units is None or parts.switching or parts.planetary:
+        chosen = model.units is None and (self._asked_step is not None or not without_drive(model.constants))
+        if chosen or parts.switching or parts.planetary:
             step = self._asked_step or usual_step(parts)
             refuse_long_step(model, assembly, step)
-        else:  # in own units no user chose the step, so it is shortened instead of refused
+        else:  # no user chose the step, so it is shortened instead of refused
             step = min(own_step(model, self._asked_step), SAFE * longest_step(assembly)[0])
         self.step = step
         self._model = model
