@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 
 from ...criteria import COST_PARAMETER, DEPENDS, LEAST_SIZE, LIKELY, SIGNIFICANT, STRAINED_BESIDE, STRAINED_TOGETHER
-from ...effects import NOTHING_KNOWN, Effect, Trait, catalogue, effects_with
+from ...effects import NOTHING_KNOWN, Effect, Parameter, Trait, catalogue, effects_with
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit, prior_rows
 from ...identification.hypothesis import LAG, SIDED
@@ -66,6 +66,7 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
       noise is left there.
     * Effects that show only in constants off their file are exempt: how far these were off was the effect's gain. So
       are effects that every machine has, in the presence of a generic basis, which fits anything.
+    * With known constants no share may end on a bound of what is possible: it wants to be more than any machine has.
     * With open constants no shape may end on its bound, no share may be one that its effect's file calls impossible
       for any machine, an effect over a shaft angle must show away from standstill, and no friction may take the place
       of the machine's dry friction.
@@ -90,6 +91,9 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
             or shows_where_slowest(problem, f, name)
             or in_place_of_dry_friction(problem, f, name)
         ):
+            yield name
+            continue
+        if not f.hypothesis.base.is_open and _size_on_bound(size, instance.parameters[size.name]):
             yield name
             continue
         if f.hypothesis.generic_bases and is_lacked(f.hypothesis, effect.id):
@@ -141,6 +145,12 @@ def _shape_on_bound(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
         and reached_bound(float(value), float(lower), float(upper), math.inf, abs(value))
         for free, value, lower, upper in numbers
     )
+
+
+def _size_on_bound(size: Parameter, value: float) -> bool:
+    """Whether a size that is neutral in between (a torque constant over its nominal one) is as far off as it may be."""
+    between = size.neutral is not None and size.lower < size.neutral < size.upper
+    return between and reached_bound(value, size.lower, size.upper, math.inf, abs(value)) is not None
 
 
 def _never_possible(effect: Effect, parameters: Mapping[str, float]) -> bool:
