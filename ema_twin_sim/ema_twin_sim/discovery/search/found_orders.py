@@ -48,8 +48,9 @@ def order_candidates(
     ratio = base.value("machine.gear_ratio")
     if is_linear(base):  # magnets or a screw repeat along its way, at any order of the drum that stands for it
         strongest = _strongest(problem, f)
-        if strongest is not None and the_effect(Trait.MOTOR_WAVE) not in without:
-            yield Candidate(the_effect(Trait.MOTOR_WAVE), {"order": _as_known(strongest)})
+        wave = the_effect(Trait.MOTOR_WAVE)
+        if strongest is not None and wave not in without and not _beside_another(problem, f, strongest.order):
+            yield Candidate(wave, {"order": _as_known(strongest)})
         return
     found: list[tuple[str, Callable[[], Sequence[str]]]] = [
         (the_effect(Trait.MOTOR_WAVE), lambda: standing_out(problem, f)),
@@ -64,8 +65,23 @@ def order_candidates(
         if id in without or not addable(f.hypothesis, id):
             continue
         for order in orders():
-            if (id, order) not in held and not (effect.searched and order in effect.options["order"]):
+            known = (id, order) in held or (effect.searched and order in effect.options["order"])
+            torque = effect.depends_on != "encoders"
+            if not known and not (torque and _beside_another(problem, f, motor_order(id, float(order), ratio))):
                 yield Candidate(id, {**effect.default_options(), "order": order})
+
+
+def _beside_another(problem: EquationErrorProblem, f: Fit, order: float) -> bool:
+    """Whether an ``order`` of the motor is hardly another one than that of a torque that the model already has.
+
+    Two waves are told apart where one makes more cycles than the other. Over fewer, the second one is how the first
+    swells and fades: where a slow sampling or a filter takes a part of it at high speed.
+    """
+    model, apart = f.hypothesis.model(), FEWEST_CYCLES / max(_turns(problem), 1.0)
+    waves = [
+        n for n, i in model.active.items() if "order" in i.options and catalogue()[i.effect].depends_on != "encoders"
+    ]
+    return any(0.0 < abs(order - model.motor_order(name)) < apart for name in waves)
 
 
 def motor_order(effect: str, order: float, gear_ratio: float) -> float:
