@@ -14,7 +14,7 @@ MOST = 60
 PLAIN = {-1, 0, 0.5, 1, 2, 3, 4}  # no, all, half; a few: counts of things that are there
 ROUNDING = 1e-4  # smaller ones, and the reciprocals of such, keep arithmetic from failing
 METHOD = {
-    "measured/balance_estimate.py": "FIRST_WIDTH LEAST_WIDTH PASSES KERNEL ROWS LOADS",
+    "measured/balance_estimate.py": "FIRST_WIDTH LEAST_WIDTH WIDER PASSES KERNEL ROWS LOADS",
     "measured/bandwidth.py": "NARROWER",
     "measured/drive_regression.py": "PIECE",
     "measured/folds.py": "FEWEST_OF_BOTH BLOCKS",

@@ -16,10 +16,14 @@ from ema_bench_replay.recording import Recording, spread
 
 from ..criteria import CONTRADICTED, NEGLIGIBLE, SMALL
 from ..model import Model
+from ..reading_noise import reading_noise
+from ..simulation.sensor_noise import counter_noise
+from .held_readings import noise_of_held
 from .smoothing import gaussian, smooth
 
 FIRST_WIDTH = 10.0  # sample periods: the kernel's standard deviation before a time scale is known
 LEAST_WIDTH = 2.5  # sample periods
+WIDER = 1.5  # times a kernel's width, until the acceleration is quiet
 PASSES = 3  # estimates, each with the kernel that the previous one suggests
 KERNEL = 0.07  # of the machine's own time sqrt(J / T): the kernel's standard deviation
 ROWS = 200  # no estimate with fewer rows
@@ -59,32 +63,58 @@ def estimate_balance(recordings: Sequence[Recording], model: Model, torque: floa
 
 
 def _rows(recording: Recording, model: Model, own_time: float | None) -> tuple[np.ndarray, np.ndarray]:
-    """(columns (m, k), torque (m,)) of a recording, two kernel widths apart; the last column is the constant."""
+    """(columns (m, k), torque (m,)) of a recording, two kernel widths apart; the last column is the constant.
+
+    Where the acceleration is noisy, the kernel is wider: its noise makes an inertia too small, which would suggest a
+    kernel that is narrower still.
+    """
     period = recording.sample_period
-    time = np.arange(int(recording.duration / period) + 1) * period
-    width = FIRST_WIDTH * period if own_time is None else max(KERNEL * own_time, LEAST_WIDTH * period)
-    width = max(min(width, NEGLIGIBLE * recording.duration), LEAST_WIDTH * period)
+    width = FIRST_WIDTH * period if own_time is None else KERNEL * own_time
+    widest = max(NEGLIGIBLE * recording.duration, LEAST_WIDTH * period)
+    width = max(min(width, widest), LEAST_WIDTH * period)
+    signals = _even(recording)
+    while True:
+        columns, drive, noise = _smoothed(signals, model, period, width)
+        square = float(np.mean(columns[:, 0] ** 2)) if len(columns) else math.inf
+        if noise**2 <= SMALL**2 * square or width >= widest:
+            return columns, drive
+        width = min(WIDER * width, widest)
+
+
+def _even(recording: Recording) -> dict[str, np.ndarray]:
+    """The signals of a recording on an even grid."""
+    time = np.arange(int(recording.duration / recording.sample_period) + 1) * recording.sample_period
     signals = {}
     for name in ("current", "motor_position", "speed", "load_torque"):
         if recording.has(name):
             known = np.isfinite(recording.signals[name])
             signals[name] = np.interp(time, recording.time[known], recording.signals[name][known])
+    return signals
+
+
+def _smoothed(
+    signals: dict[str, np.ndarray], model: Model, period: float, width: float
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """(columns (m, k), torque (m,), noise of the acceleration) through a kernel of this ``width`` [s]."""
     plain, slope = gaussian(width, period), gaussian(width, period, 1)
     position = smooth(signals["motor_position"], plain)
     if "speed" in signals:
         speed, acceleration = smooth(signals["speed"], plain), smooth(signals["speed"], slope)
+        read = noise_of_held(reading_noise(signals["speed"]), signals["speed"])
     else:
-        speed = smooth(signals["motor_position"], slope)
-        acceleration = smooth(signals["motor_position"], gaussian(width, period, 2))
+        slope = gaussian(width, period, 2)
+        speed = smooth(signals["motor_position"], gaussian(width, period, 1))
+        acceleration = smooth(signals["motor_position"], slope)
+        read = noise_of_held(counter_noise(model, "motor"), signals["motor_position"])
     drive = model.value("machine.torque_constant") * smooth(signals["current"], plain)
     if "load_torque" in signals:  # a measured load opposes positive motion
         drive = drive - smooth(signals["load_torque"], plain)
     half = len(plain) // 2
-    kept = np.arange(half, len(time) - half, max(1, round(2.0 * width / period)))
+    kept = np.arange(half, len(position) - half, max(1, round(2.0 * width / period)))
     kept = kept[np.abs(speed[kept]) > NEGLIGIBLE * np.abs(speed).max()]
     angle = position / model.value("machine.gear_ratio")
-    columns = [acceleration, speed, np.sign(speed), np.sin(angle), np.cos(angle), angle, np.ones(len(time))]
-    return np.stack(columns, 1)[kept], drive[kept]
+    columns = [acceleration, speed, np.sign(speed), np.sin(angle), np.cos(angle), angle, np.ones(len(position))]
+    return np.stack(columns, 1)[kept], drive[kept], read * float(np.linalg.norm(slope))
 
 
 def _regressed(

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..criteria import NEGLIGIBLE, SMALL
+from .held_readings import samples_held
 from .smoothing import gaussian, smooth, smooth_way
 
 NARROWER = 0.7  # ratio of one tried width to the next
@@ -29,10 +30,8 @@ def narrowest_of_speed(
     Many drives log a speed more often than they compute it: the kernel spans as many periods of its changes as
     ``least`` [s] spans samples. It is no less than a tenth of the widest, which multiplies the rows by ten.
     """
-    changes = np.flatnonzero(np.diff(speed))
-    held = float(np.median(np.diff(changes))) if len(changes) > 1 else 1.0
     allowed = NEGLIGIBLE * float(np.sqrt(np.mean(smooth(speed, slope(widest, period, smoothing)) ** 2)))
-    least = max(held * least, SMALL * widest)
+    least = max(samples_held(speed) * least, SMALL * widest)
     return _narrowed(lambda width: slope(width, period, smoothing), noise, allowed, widest, least)
 
 

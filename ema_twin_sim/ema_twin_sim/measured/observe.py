@@ -27,6 +27,7 @@ from ..simulation.operating_points import doubled, motion_at_points
 from ..simulation.sensor_noise import counter_noise
 from .adaptive_acceleration import adaptive_acceleration
 from .bandwidth import narrowest, narrowest_of_speed
+from .held_readings import noise_of_held
 from .observation import Observation
 from .row_noise import encoder_noise, rounding_noise, shaken, smallest_step, torque_noise
 from .sliding import moving_maximum
@@ -63,7 +64,10 @@ def observe(
     width = max(min(WIDTH if "speed" in signals else COUNTER_WIDTH, widest), LEAST_PERIODS * period)
     # without teeth or compliance nothing is shaken, and reversals are as good as any other rows
     geared = model.value("machine.output_inertia") > 0.0
-    reading = max(counter_noise(model, "motor"), 0.0 if geared else reading_noise(signals["motor_position"]))
+    reading = counter_noise(model, "motor")
+    if not geared:
+        position = signals["motor_position"]
+        reading = max(noise_of_held(reading, position), reading_noise(position))
     if not geared and wider > 1.0:
         width = max(min(wider * width, widest), width)
     elif not geared and "speed" not in signals:
