@@ -139,6 +139,13 @@ class TestInsignificant:
             h = a_hypothesis(stock, effect)
             assert sure(h, monkeypatch, {f"effects.{effect}.{number}": 99.0}) is None
 
+    @pytest.mark.parametrize(("scale", "there"), [(0.5, False), (0.52, True), (1.46, True), (1.5, False)])
+    def test_a_factor_as_far_off_as_it_may_be_goes(self, scale, there, stock, monkeypatch):
+        """It wants to be more than any motor has; beside it an inertia or a friction stands for the rest."""
+        for model, stays in ((stock, there), (an_open(stock), True)):
+            h = a_hypothesis(model, "torque_constant_error", torque_constant_error={"scale": scale})
+            assert sure(h, monkeypatch, {}) == (None if stays else "torque_constant_error")
+
     def test_nor_what_every_machine_has_beside_a_basis(self, stock, monkeypatch):
         bare = stock.without_effect("viscous_friction")
         h = a_hypothesis(bare, "viscous_friction")
