@@ -178,6 +178,14 @@ def test_points_that_are_all_refused_are_counted_and_end_with_status_1(tmp_path)
     refused(*asked, "--page", page, naming=["exists already"])
 
 
+@pytest.mark.parametrize(("page", "words"), [("pages.html", "is a folder"), ("map.txt", "name it .html")])
+def test_a_page_that_cannot_be_is_refused_before_anything_is_simulated(page, words, tmp_path):
+    (tmp_path / "pages.html").mkdir()
+    asked = ["sweep", "--model", "polito_bench", "-c", "triangle:0.1:0.5", "-o", tmp_path / "r"]
+    refused(*asked, "--vary", "coulomb_friction.torque=0.05:0.1:2", "--page", tmp_path / page, naming=[words])
+    assert not (tmp_path / "r").exists()
+
+
 @pytest.mark.slow
 def test_the_verb_goes_on_where_it_was_and_maps_two_numbers(tmp_path, capsys):
     asked = ["sweep", "--model", "polito_bench", "-c", "triangle:0.1:0.5", "--seconds", "3", "--bounds-only",
