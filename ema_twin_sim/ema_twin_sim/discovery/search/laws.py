@@ -6,25 +6,47 @@ wrong form leaves a remainder, for which a search would take further effects.
 
 from __future__ import annotations
 
-from ...effects import catalogue
-from ...identification.fit import Fit, fit
+from ...criteria import DEPENDS
+from ...effects import Effect, catalogue
+from ...identification.fit import Fit, fit, fits
+from ...identification.hypothesis import Hypothesis
 from ..criteria.worth import penalised_gain
 from .trace import Search
 
+ITERATIONS = 4  # of a fit that only shows how good a law is
+
 
 def with_best_laws(f: Fit) -> Fit:
-    """A fit with each added effect under the law of its equation that explains most; the same one if it has these."""
+    """A fit with each added effect under the law of its equation that explains most; the same one if it has these.
+
+    Other laws are first fitted with the slopes of the other effects as they are. That makes a law look worse than it
+    is, so the best of them is fitted in full unless it is clearly worse.
+    """
     for name, held in f.hypothesis.added.items():
-        effect = catalogue()[held.effect]
-        for law in effect.options[effect.law] if effect.law else ():
-            instance = f.hypothesis.instance(name)
-            if law == instance.options[effect.law]:
-                continue
-            options = {**instance.options, effect.law: law}
-            rival = fit(f.problem, f.hypothesis.without(name).with_effect(effect.id, options, instance.parameters))
-            if penalised_gain(f, rival) > 0.0:
-                f = rival
+        while (better := _under_a_better_law(f, name, catalogue()[held.effect])) is not None:
+            f = better
     return f
+
+
+def _under_a_better_law(f: Fit, name: str, effect: Effect) -> Fit | None:
+    """A fit with one of its effects under another law that explains more; None if none does."""
+    rivals = fits(f.problem, _under_other_laws(f, name, effect), ITERATIONS, known=f)
+    best = max(rivals, key=lambda rival: penalised_gain(f, rival), default=None)
+    if best is None or penalised_gain(f, best) <= -DEPENDS:
+        return None
+    best = fit(f.problem, best.hypothesis)
+    return best if penalised_gain(f, best) > 0.0 else None
+
+
+def _under_other_laws(f: Fit, name: str, effect: Effect) -> list[Hypothesis]:
+    """The hypothesis of a fit with one of its effects under each law that it has not, from the same numbers."""
+    instance = f.hypothesis.instance(name)
+    bare = f.hypothesis.without(name)
+    return [
+        bare.with_effect(effect.id, {**instance.options, effect.law: law}, instance.parameters)
+        for law in (effect.options[effect.law] if effect.law else ())
+        if law != instance.options[effect.law]
+    ]
 
 
 def under_best_laws(found: Search) -> Search:
