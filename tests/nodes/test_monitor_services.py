@@ -27,6 +27,9 @@ window that it is asked in, and impacts amplify that; without the effects the sh
 SOONER = 3.0
 """Times real time that is played where samples are only waited for. A diagnosis is made beside a bench in real time."""
 
+START = "start:=4.0"
+"""Of five periods the first is left out: whole runs are played to their ends, for each node to take part in."""
+
 STREAM = 50
 """Residuals that come while a diagnosis is made, at the least: 0.1 s of them, where one takes a second or more."""
 
@@ -36,7 +39,7 @@ class Bench:
 
     def __init__(self, recording):
         self.processes = [start_process(module) for module in NODES]
-        played = (f"recording:={recording}", "loop:=true", "subscribers:=2", "patience:=60.0")
+        played = (f"recording:={recording}", START, "loop:=true", "subscribers:=2", "patience:=60.0")
         self.processes.append(start_process("ema_bench_replay.nodes.replay", *played))
         self.graph = Graph()
         self.node = self.graph.plain_node()
