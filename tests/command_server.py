@@ -45,13 +45,20 @@ class CommandServer:
         with tempfile.TemporaryDirectory() as folder:
             streams = [Path(folder) / name for name in ("in", "out", "err")]
             streams[0].write_text(answers or "")
-            order = {"arguments": arguments, "cwd": str(cwd or Path.cwd()), "timeout": timeout}
-            print(json.dumps(order | {"streams": [str(path) for path in streams]}), file=self._orders, flush=True)
-            status = json.loads(self._answers.readline())
+            status = self.give(arguments, cwd or Path.cwd(), timeout, streams)
             if status is None:
                 raise subprocess.TimeoutExpired(["ema-twin", *arguments], timeout)
             out, err = (path.read_text() for path in streams[1:])
             return subprocess.CompletedProcess(["ema-twin", *arguments], status, out, err)
+
+    def give(self, arguments, cwd, timeout, streams):
+        """The exit status of a command that reads from the first of three files, and writes to the others.
+
+        None where it took too long.
+        """
+        order = {"arguments": arguments, "cwd": str(cwd), "timeout": timeout, "streams": [*map(str, streams)]}
+        print(json.dumps(order), file=self._orders, flush=True)
+        return json.loads(self._answers.readline())
 
     def close(self):
         self._orders.close()

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from tests.command_line import ENVIRONMENT, TWIN
+from tests.served_shell import served
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 _BLOCK = re.compile(r"^```(shell|text)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -63,11 +64,14 @@ def prepare(folder):
 def run(step, folder, timeout=600):
     """What the commands print; they end as the page says, and nothing that they started outlives them."""
     environment = ENVIRONMENT | {"PATH": f"{TWIN.parent}:{ENVIRONMENT['PATH']}"}
-    with subprocess.Popen(
-        ["bash", "-e", "-o", "pipefail", "-c", step.commands],
-        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-        text=True, cwd=folder, env=environment, start_new_session=True,
-    ) as process:  # fmt: skip
+    with (
+        served(timeout) as (given, pipes),
+        subprocess.Popen(
+            ["bash", "-e", "-o", "pipefail", "-c", given + step.commands],
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            text=True, cwd=folder, env=environment, start_new_session=True, pass_fds=pipes,
+        ) as process,
+    ):  # fmt: skip
         try:
             printed, _ = process.communicate(timeout=timeout)
         finally:

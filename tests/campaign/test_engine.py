@@ -21,7 +21,7 @@ from ema_twin_sim.campaign.jobs import Grouping, Job, Task, find_jobs
 from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED
 from ema_twin_sim.campaign.store import Store
 from ema_twin_sim.campaign.units import units_of
-from tests.command_line import twin
+from tests.command_line import done_here, twin
 from tests.dask_cluster import own_cluster
 
 MANY = 24
@@ -126,7 +126,7 @@ def _many_recordings(folder):
 
 
 @pytest.mark.slow
-def test_a_campaign_that_was_killed_goes_on_where_it_was(tmp_path):
+def test_a_campaign_that_was_killed_goes_on_where_it_was(tmp_path, capsys):
     asked = (*_many_recordings(tmp_path), "--workers", 1)
     first = _command(*asked)
     _until(lambda: len([*tmp_path.rglob("*.parquet")]) >= 5)
@@ -134,9 +134,8 @@ def test_a_campaign_that_was_killed_goes_on_where_it_was(tmp_path):
     first.wait()
     done = Store(tmp_path / "r").settled()
     assert 5 <= len(done) < MANY
-    second = _command(*asked)
-    told, errors = second.communicate(timeout=300)
-    assert second.returncode == 0, errors
+    done_here("campaign", *asked)
+    told = capsys.readouterr().out
     again = int(re.search(rf"(\d+) of {MANY} already have results", told)[1])
     assert again >= len(done)
     assert f"{MANY - again} judged" in told
@@ -173,9 +172,9 @@ def test_whatever_is_killed_at_half_time_the_table_is_the_same(victim, whole, tm
         else:
             _until(lambda: not _at_work(own.address))  # what it had given out is done, or given up
     done = Store(tmp_path / "r").settled()
-    told, errors = _command(*asked, whole.address).communicate(timeout=300)
-    again = re.search(rf"(\d+) of {MANY} already have results", told)
-    assert again and int(again[1]) == len(done) >= at, errors
+    done_here("campaign", *asked, whole.address)
+    again = re.search(rf"(\d+) of {MANY} already have results", capsys.readouterr().out)
+    assert again and int(again[1]) == len(done) >= at
     keys = _keys(tmp_path)
     rows = Store(tmp_path / "r").rows()
     with capsys.disabled():

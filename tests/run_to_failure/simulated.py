@@ -7,9 +7,10 @@ fleet differ (friction, by 5 %), and so do a unit's tests (by 2 %).
 
 from __future__ import annotations
 
+import io
 import json
-import subprocess
 import sys
+from contextlib import redirect_stdout
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from ema_twin_sim.identification.hypothesis import INERTIAS
 from ema_twin_sim.model import Model, load_model, save_model
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.command_line import done_here
 
 WEARS: dict[str, tuple[str, str, float, float] | None] = {
     "friction": None,
@@ -201,10 +203,7 @@ def _worn(model: Model, kind: str, share: float) -> Model:
 
 
 def _run(*arguments: object) -> None:
+    """One of the two verbs, here: its table is not shown, since what is told of it is read from its JSON."""
     print("ema-twin", *arguments[:4], "…", file=sys.stderr, flush=True)
-    start = "import sys; sys.argv[0] = 'ema-twin'; from ema_twin_sim.entry import main; main()"
-    done = subprocess.run(
-        [sys.executable, "-c", start, *map(str, arguments)], capture_output=True, text=True, check=False
-    )
-    if done.returncode:
-        raise RuntimeError(done.stderr)
+    with redirect_stdout(io.StringIO()):
+        done_here(*arguments)

@@ -1,11 +1,12 @@
 """What no fidelity can run is refused in one line: wheels that do not mesh, long steps, low voltage, divergence."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.model import load_model
-from ema_twin_sim.own_effects import load_effect
 from ema_twin_sim.plant.layout import BENCH
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.twin import Twin
@@ -108,19 +109,12 @@ def test_a_switching_drive_needs_its_winding(tmp_path, ramp):
         refused("compare", ramp, "--model", file, naming=("model winding", f"machine.{name} is 0"))
 
 
-@pytest.fixture(scope="module")
-def runaway(tmp_path_factory):
-    file = tmp_path_factory.mktemp("own") / "runaway.py"
-    file.write_text(RUNAWAY)
-    load_effect(file)
-    return file
-
-
-# a plant is compiled with the effect, for three to ten seconds each but the first
+# each plant is compiled on its first use
 @pytest.mark.parametrize("kind", ["lumped", *(pytest.param(kind, marks=pytest.mark.slow) for kind in KINDS)])
-def test_a_simulation_that_diverges_stops_and_names_moment_and_state(kind, models, runaway):
-    model = load_model(models.get(kind, "polito_bench")).with_effect("runaway")
-    diverging = Twin(model, "standalone")
+def test_a_simulation_that_diverges_stops_and_names_moment_and_state(kind, models):
+    model = load_model(models.get(kind, "polito_bench"))
+    driving = replace(model.effects["viscous_friction"], parameters={"coefficient": -5.0})  # no model file may have it
+    diverging = Twin(replace(model, effects={**model.effects, "viscous_friction": driving}), "standalone")
     diverging.start({"output_command": 0.0})
     stamps = np.arange(10_001, dtype=np.int64) * 2_000_000
     bench = np.full((len(stamps), len(BENCH)), np.nan)
@@ -131,8 +125,9 @@ def test_a_simulation_that_diverges_stops_and_names_moment_and_state(kind, model
 
 
 @pytest.mark.slow
-def test_a_diverging_model_is_told_in_one_line(models, runaway, ramp, tmp_path):
-    file = tmp_path / "away.yaml"
+def test_a_diverging_model_is_told_in_one_line(ramp, tmp_path):
+    file, runaway = tmp_path / "away.yaml", tmp_path / "runaway.py"
+    runaway.write_text(RUNAWAY)
     done("add", runaway, "--model", "polito_bench", "-o", file)
     words = ("model away", "diverges: the motor's speed", "s after the start", "check")
     refused("compare", ramp, "--model", file, "--with", runaway, naming=(ramp.stem, *words))

@@ -77,13 +77,15 @@ def run(
             both = (given.model, found.model)
             labels = (given.model.name, "with the effects found")
             tabs = write_rrd(rrd, given.recordings, both, labels, findings_of(found, diagnosis), force=force)
+        progress("looking for what to record next")
+        content = diagnosis.as_json()
     warn_of(diagnosis.misread, given.recordings)
     say(verdict_of(found, without=given.without), style="bold")
     show(diagnosis, given.model.motion)
     for text in order_sentences(found.model, found.parameters):
         say(text)
     warn_of(diagnosis.warnings, given.recordings, told=diagnosis.misread)
-    write_findings(json, diagnosis.as_json(), found)
+    write_findings(json, content, found)
     if rrd is not None:
         tell_of_rrd(rrd, tabs)
 

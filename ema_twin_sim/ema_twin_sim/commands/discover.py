@@ -81,9 +81,11 @@ def run(
         if rrd is not None:
             progress("writing the views")
             tabs = write_rrd(rrd, found.given, both, labels, findings, force=force)
+        progress("looking for what to record next")
+        next_recording = found.next_recording
     warn_of(found.misread, given.recordings)
     show_search(found, given.without)
-    show_doubts(found.groups, found.next_recording, found.model.motion)
+    show_doubts(found.groups, next_recording, found.model.motion)
     say(f"\nThe search ended: {found.stopped}.")
     warn_of(found.warnings, given.recordings, told=found.misread)
     is_new = bool(found.added or found.constants)

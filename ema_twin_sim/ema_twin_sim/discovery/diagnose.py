@@ -68,10 +68,15 @@ class Diagnosis:
     unknown: float  # probability that something outside the ranking is missing
     groups: tuple[tuple[str, ...], ...]
     depends_on: tuple[str, ...]
-    next_recording: str
+    suggestion: Callable[[], str]  # of the next recording: computed when it is asked for, since it takes a while
     warnings: tuple[str, ...]
     beyond_noise: Mapping[str, float]  # by signal still above the noise at the end: how many times
     misread: tuple[str, ...] = ()  # the warnings that put all findings in doubt
+
+    @property
+    def next_recording(self) -> str:
+        """What to record next, in a line that begins with the command; empty if nothing is in doubt."""
+        return self.suggestion()
 
     def as_json(self) -> dict[str, object]:
         """SI units; missing numbers are null."""
@@ -173,7 +178,7 @@ def weigh(found: Discovery) -> Diagnosis:
         SUREST if found.verdict == "unknown" else 1.0 - SUREST,
         found.groups,
         found.depends_on,
-        found.next_recording,
+        lambda: found.next_recording,
         found.warnings,
         found.beyond_noise,
         found.misread,

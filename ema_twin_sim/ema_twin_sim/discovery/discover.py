@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from types import MappingProxyType
 from typing import Any
 
@@ -96,7 +97,7 @@ class Discovery:
     constants: MappingProxyType[str, dict[str, dict[str, object]]]
     groups: tuple[tuple[str, ...], ...]
     depends_on: tuple[str, ...]
-    next_recording: str
+    suggestion: Callable[[], str]  # of the next recording: computed when it is asked for, since it takes a while
     stopped: str
     warnings: tuple[str, ...]
     unseen: Unseen
@@ -110,6 +111,11 @@ class Discovery:
     left: Signals  # errors of the model that was found, as ``compare`` reports them
     left_over: str = ""  # how large, and where along the first of ``depends_on``
     misread: tuple[str, ...] = ()
+
+    @cached_property
+    def next_recording(self) -> str:
+        """What to record next, in a line that begins with the command; empty if nothing is in doubt."""
+        return self.suggestion()
 
     @property
     def beyond_noise(self) -> dict[str, float]:
@@ -259,7 +265,7 @@ def discover(
         MappingProxyType(refitted),
         undecided(rivals),
         depends_on,
-        suggest(problem, found, rivals, recordings, excluded),
+        partial(suggest, problem, found, rivals, recordings, excluded),
         why_ended(problem, verdict, found, depends_on, unseen),
         (
             *misread,
