@@ -14,6 +14,7 @@ from ema_twin_sim.measured.quieter_motion import as_measured
 from ema_twin_sim.measured.way_by_speed import standing_position
 from ema_twin_sim.model import load_model
 from tests.command_line import done
+from tests.trace_text import write_columns
 
 TIME = np.arange(4000) * 2e-3
 SPEED = 20.0 * np.sin(1.5 * TIME)
@@ -72,11 +73,9 @@ def test_the_speed_is_not_left_out_for_it(stock):
 
 
 def written(tmp_path, name, **columns):
-    names = ("time [s]", "current [A]", "speed [rad/s]", "motor angle [rad]")
-    recording = run(**columns)
-    table = np.column_stack([TIME, *(recording.signals[n] for n in ("current", "speed", "motor_position"))])
-    np.savetxt(tmp_path / name, table, "%.9g", ",", header=",".join(names), comments="")
-    return tmp_path / name
+    names = {"current [A]": "current", "speed [rad/s]": "speed", "motor angle [rad]": "motor_position"}
+    signals = run(**columns).signals
+    return write_columns(tmp_path / name, {"time [s]": TIME, **{head: signals[n] for head, n in names.items()}})
 
 
 def test_init_leaves_it_out_and_says_so(tmp_path):

@@ -6,6 +6,7 @@ import pytest
 from ema_bench_replay.load import load
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.new_machine.columns import guess_columns
+from tests.trace_text import write_columns
 
 TIME = np.arange(1500) * 2e-3
 ANGLE = 1.2 * np.sin(3.0 * TIME)
@@ -14,10 +15,7 @@ DRIVE = -0.9 * ANGLE + 0.2 * SPEED + 0.3 * np.sign(SPEED)
 
 
 def written(place, **columns):
-    given = {"time [s]": TIME, "angle [rad]": ANGLE, "speed [rad/s]": SPEED, **columns}
-    rows = "\n".join(",".join(f"{value:.9g}" for value in row) for row in zip(*given.values(), strict=True))
-    place.write_text(",".join(given) + "\n" + rows + "\n")
-    return place
+    return write_columns(place, {"time [s]": TIME, "angle [rad]": ANGLE, "speed [rad/s]": SPEED, **columns})
 
 
 TORQUES = ["tau_cmd [Nm]", "tau_des", "tau_ref", "des_torque", "torque_command", "torque setpoint [Nm]", "Moment soll"]

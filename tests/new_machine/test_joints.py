@@ -5,6 +5,7 @@ import pytest
 
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.new_machine.columns import guess_columns
+from tests.trace_text import write_columns
 
 TIME = np.arange(3000) * 2e-3
 
@@ -69,10 +70,7 @@ def test_init_tells_which_joint_it_took_and_reads_further_traces_of_it(tmp_path,
     traces = []
     for place, far in enumerate((2, 3)):  # in the second, another joint goes farther
         numbers = robot(("q{} [rad]", "dq{} [rad/s]", "tau{} [Nm]"), far)
-        traces.append(tmp_path / f"{place}.csv")
-        np.savetxt(
-            traces[-1], np.stack([*numbers.values()], axis=1), "%.7g", ",", header=",".join(numbers), comments=""
-        )
+        traces.append(write_columns(tmp_path / f"{place}.csv", numbers))
     init(str(tmp_path / "robot"), traces)
     assert "the columns numbered 2, of the joint with the largest motion; those of 1, 3" in " ".join(
         capsys.readouterr().out.split()

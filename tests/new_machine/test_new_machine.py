@@ -19,6 +19,7 @@ from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.steps import smallest_step
 from tests.command_line import done, refused, twin
 from tests.conftest import RECORDINGS
+from tests.trace_text import write_columns
 
 RATIO = press.CONSTANTS["machine.gear_ratio"]
 
@@ -241,9 +242,7 @@ def turning(tmp_path, ratio, *, both=False, speed="speed [rpm]", position="posit
         **({"output position [deg]": angle / ratio * press.DEGREES} if both else {}),
         **({speed: np.gradient(angle, time) * press.RPM} if speed else {}),
     }
-    np.savetxt(
-        tmp_path / "a.csv", np.column_stack([*columns.values()]), "%.9g", ",", header=",".join(columns), comments=""
-    )
+    write_columns(tmp_path / "a.csv", columns)
 
 
 def line_of(file, word):

@@ -67,14 +67,16 @@ def test_one_recording_that_shows_the_position_is_enough():
     assert unlike_speed([recorded(SPEEDS["both ways"], 60.0 * np.roll(NOISE, 700)), good]) == ""
 
 
+def told_by_init(tmp_path, columns, capsys):
+    init(str(tmp_path / "m"), [write_columns(tmp_path / "trace.csv", columns)])
+    return " ".join(capsys.readouterr().out.split())
+
+
 def test_init_leaves_it_out_and_says_so_once(tmp_path, capsys):
     speed = SPEEDS["both ways"]
-    columns = [TIME, np.round(60.0 * np.roll(NOISE, 700)), speed + 0.1 * NOISE, np.sign(speed) + 0.1 * NOISE]
-    rows = "\n".join(",".join(f"{value:.9g}" for value in row) for row in zip(*columns, strict=True))
-    trace = tmp_path / "trace.csv"
-    trace.write_text(f"time [s],motor position,motor speed [rad/s],motor current [A]\n{rows}\n")
-    init(str(tmp_path / "m"), [trace])
-    told = " ".join(capsys.readouterr().out.split())
+    columns = {"time [s]": TIME, "motor position": np.round(60.0 * np.roll(NOISE, 700))}
+    columns |= {"motor speed [rad/s]": speed + 0.1 * NOISE, "motor current [A]": np.sign(speed) + 0.1 * NOISE}
+    told = told_by_init(tmp_path, columns, capsys)
     assert "motor position: not used: it has nothing in common with the integral of the speed" in told
     assert told.count("motor position") == 1
     assert "motor_position" not in (tmp_path / "m_map.yaml").read_text()
@@ -129,12 +131,9 @@ def test_without_any_that_goes_with_the_speed_all_are_possible():
 
 def test_init_says_which_other_position_was_left_out(tmp_path, capsys):
     speed = SPEEDS["both ways"]
-    columns = [TIME, other_axis(1e3), way(speed), speed, np.sign(speed) + 0.1 * NOISE]
-    rows = "\n".join(",".join(f"{value:.9g}" for value in row) for row in zip(*columns, strict=True))
-    trace = tmp_path / "trace.csv"
-    trace.write_text(f"time [s],yaw [deg],leg angle [rad],speed [rad/s],current [A]\n{rows}\n")
-    init(str(tmp_path / "m"), [trace])
-    told = " ".join(capsys.readouterr().out.split())
+    columns = {"time [s]": TIME, "yaw [deg]": other_axis(1e3), "leg angle [rad]": way(speed)}
+    columns |= {"speed [rad/s]": speed, "current [A]": np.sign(speed) + 0.1 * NOISE}
+    told = told_by_init(tmp_path, columns, capsys)
     assert "yaw [deg]: not used, since leg angle [rad] goes with the speed more" in told
     assert "motor_position: {columns: ['leg angle \\[rad\\]']" in (tmp_path / "m_map.yaml").read_text()
 

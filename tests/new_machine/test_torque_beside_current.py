@@ -49,9 +49,7 @@ def test_few_rows_or_none_tell_nothing():
 
 def drafted(tmp_path, kind, name="Torque (N·m)", current="Current (A)", **given):
     columns = {"Time (s)": TIME, name: TORQUE, current: CURRENTS[kind], "Speed (rad/s)": SPEED}
-    rows = "\n".join(",".join(f"{value:.9g}" for value in row) for row in zip(*columns.values(), strict=True))
-    (tmp_path / "run.csv").write_text(",".join(columns) + "\n" + rows + "\n")
-    init(str(tmp_path / "m"), [tmp_path / "run.csv"], **given)
+    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)], **given)
     return (tmp_path / "m_map.yaml").read_text()
 
 

@@ -10,6 +10,7 @@ from ema_twin_sim.measured.consistency import inconsistencies
 from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.model import load_model
 from ema_twin_sim.new_machine.shaft import ratio_of_positions
+from tests.trace_text import write_columns
 
 TIME = np.arange(2000) * 2e-3
 ANGLE = 30.0 * (1.0 - np.cos(2.0 * TIME))
@@ -22,9 +23,7 @@ def written(place, output, column, command=(), current=CURRENT):
     """A trace of a motor whose output goes along ``output`` (n,) in ``column``, and perhaps follows a ``command``."""
     columns = {"time [s]": TIME, "current [A]": current, "motor position [rad]": ANGLE, column: output}
     columns |= {"output position setpoint [rad]": command} if len(command) else {}
-    rows = "\n".join(",".join(f"{value:.9g}" for value in row) for row in zip(*columns.values(), strict=True))
-    place.write_text(",".join(columns) + "\n" + rows + "\n")
-    return place
+    return write_columns(place, columns)
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])

@@ -125,7 +125,7 @@ class TestFullDisk:
     @pytest.mark.parametrize("verb", ["compare", "live"])
     def test_it_is_one_line(self, ramp, tmp_path, verb):
         path = tmp_path / "run.rrd"
-        more = ("--headless", "--rate", "0") if verb == "live" else ()
+        more = ("--headless", "--rate", "0", "--to", "8") if verb == "live" else ()
         result = subprocess.run(
             [TWIN, verb, ramp, *MODEL, *more, "--rrd", path],
             capture_output=True, text=True, timeout=ENDING, check=False, env=ENVIRONMENT, preexec_fn=small_files,
