@@ -3,7 +3,8 @@
 People write units in brackets, after a slash, a comma, an underscore or the word "in", in English or German; symbols
 come in Greek letters, with subscripts, or with a dot for a rate. Behind a name in letters that are neither Latin nor
 Greek, as in Chinese, a unit needs no mark between. A single letter there is a unit only if the name says so, since it
-may as well be a symbol: the n of a speed, the M of a torque, or the A of a motor A.
+may as well be a symbol: the n of a speed, the M of a torque, or the A of a motor A. Ticks of a time are a clock's, and
+no counts of a position.
 """
 
 from __future__ import annotations
@@ -83,6 +84,9 @@ _SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 _COUNTS_AS_UNITS = frozenset({"pulse", "increment", "step", "steps", "edges", "schritte", "qc"})
 """Words for counts where a unit stands, in brackets or in a row of units; elsewhere they are parts of names."""
+
+_OF_A_CLOCK = re.compile(r"time|zeit|clock|stamp", re.IGNORECASE)
+"""Names of what counts time, as in ``Realtime Tick``."""
 
 _OF_NO_SIGNAL = frozenset({"w", "kw", "va", "kva", "var", "kvar"})
 """Units of power behind a name in other letters."""
@@ -181,7 +185,8 @@ def _without_unit(text: str) -> tuple[str, str | None, bool, str]:
     foreign = ""
     for found in reversed(list(_BRACKETS.finditer(text))):
         if unit := _unit_in_its_place(found[1]):
-            return text[: found.start()] + " " + text[found.end() :], unit, False, ""
+            name = text[: found.start()] + " " + text[found.end() :]
+            return (name, None, False, found[1]) if _ticks(name, unit) else (name, unit, False, "")
         foreign = foreign or ("" if _names_a_part(found) else found[1])
     plain = _BRACKETS.sub(lambda found: f" {found[1]} " if _names_a_part(found) else " ", text).strip() or text
     name, tail = _without_glued_unit(plain)
@@ -192,9 +197,14 @@ def _without_unit(text: str) -> tuple[str, str | None, bool, str]:
         before, after = plain[: mark.start()].strip(" /,_"), plain[mark.end() :]
         unit = _unit(after) or _unit_in_underscores(after)
         told = _told_quantities(before) if _is_letter(after) else ()
-        if unit and before and (not told or _SPELLINGS[unit][0] in told):
+        if unit and before and not _ticks(before, unit) and (not told or _SPELLINGS[unit][0] in told):
             return before, unit, mark[0] == "_" and after.lower() in _SUBSCRIPTS, ""
     return plain, None, False, foreign
+
+
+def _ticks(name: str, unit: str) -> bool:
+    """Whether counts are the ticks of a clock that a name tells."""
+    return unit == COUNTS and _OF_A_CLOCK.search(name) is not None
 
 
 def _names_a_part(bracket: re.Match[str]) -> bool:

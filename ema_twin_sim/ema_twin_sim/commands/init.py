@@ -216,6 +216,11 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
         )
     for name in guesses.row_counters:
         say(f"{name}: not used, since it rises by the same step in every row, as the number of a row does")
+    for name in guesses.clock_counters:
+        say(
+            f"{name}: not used, since it counts at a constant rate, as a clock does (if it counts a shaft's turns, say "
+            "so in its name, as in 'motor position [counts]', and run init again)"
+        )
     taken = next((guess.column for guess in guesses.signals if guess.signal == "motor_position"), "")
     for name in guesses.other_axes:
         say(
