@@ -34,6 +34,7 @@ from .column_words import (
     TRANSDUCER,
 )
 from .joints import likeness, travel
+from .never_changing import never_changes
 from .position_beside_speed import going_with_speed
 
 
@@ -103,7 +104,8 @@ def choose_signals(
 
     def of(quantity: str, *, setpoint: bool = False) -> list[Column]:
         found = [c for c in columns if c.quantity == quantity and c.setpoint == setpoint and c not in taken.values()]
-        return sorted(found, key=lambda c: (has_word(c.read.words, FILTERED), c.shaft == "output", not c.actual))
+        found.sort(key=lambda c: (has_word(c.read.words, FILTERED), c.shaft == "output", not c.actual))
+        return sorted(found, key=lambda c: quantity in ("position", "speed") and never_changes(numbers.get(c.name)))
 
     def take(signal: str, found: Sequence[Column]) -> None:
         if found:
