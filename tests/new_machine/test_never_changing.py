@@ -18,8 +18,7 @@ SAID = "not used, since it never changes"
 def drafted(tmp_path, capsys, *runs, **options):
     traces = [write_columns(tmp_path / f"run{k}.csv", {"time [s]": TIME, **run}) for k, run in enumerate(runs)]
     init(str(tmp_path / "m"), traces, **options)
-    told = capsys.readouterr()
-    return told.out, (tmp_path / "m_map.yaml").read_text()
+    return " ".join(capsys.readouterr().out.split()), (tmp_path / "m_map.yaml").read_text()
 
 
 @pytest.mark.parametrize("still", ["speed [rpm]", "output position [rad]"])

@@ -19,6 +19,7 @@ from .shown_draft import (
     in_unit,
     say_next,
     say_search,
+    say_unused,
     say_what_it_rests_on,
     say_what_to_look_at,
     warn_of_contradicted_names,
@@ -227,7 +228,9 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
             f"{name}: not used, since {taken} goes with the speed more (if it is the motor's, say so in its name, as "
             "in 'motor position', and run init again)"
         )
-    for name in run_columns(guesses.left):
+    runs = run_columns(guesses.left)
+    say_unused(guesses, [name for name in guesses.left if name and name not in {*no_numbers, *runs}])
+    for name in runs:
         count = count_of_runs(numbers[name])
         if count > 1:
             say(f"{name}: seems to number {count} runs; {how_to_read_runs(name)}")
