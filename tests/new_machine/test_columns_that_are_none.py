@@ -114,7 +114,7 @@ def test_a_feedforward_command_is_none_either():
 
 def test_where_every_column_has_a_hole_the_names_are_not_to_blame(tmp_path, capsys):
     """The refusal said that no column was recognised, and to rename them."""
-    rows = ["nan,nan,nan" if k == 20 else f"{k / 100:g},{k % 7},{k % 5}" for k in range(40)]
+    rows = ["0.2,nan,nan" if k == 20 else f"{k / 100:g},{k % 7},{k % 5}" for k in range(40)]
     (tmp_path / "run.csv").write_text("clock [ms],position [rad],current [A]\n" + "\n".join(rows) + "\n")
     with pytest.raises(InputError, match=r"current \[A\], position \[rad\]: without these nothing is left to read"):
         init(str(tmp_path / "m"), [tmp_path / "run.csv"])

@@ -119,7 +119,7 @@ def test_first_rows_that_hold_only_a_time_are_rows(tmp_path, cell, units, count)
 def test_a_row_whose_time_is_missing_names_no_columns_either(tmp_path, first):
     (tmp_path / "run.csv").write_text(f"time,position,current\n{first}\n1.0,1.5,2.5\n2.0,1.6,2.5\n")
     table = read_table(tmp_path / "run.csv", needed=lambda header: ())
-    assert table.header == ["time", "position", "current"] and len(table.columns[0]) == 3
+    assert table.header == ["time", "position", "current"] and len(table.columns[0]) == 3 - (first == "NaN,NaN,NaN")
 
 
 @pytest.mark.parametrize("above", ["", "% bench 3\n"])
@@ -141,3 +141,31 @@ def test_numbers_that_a_table_program_filled_up_with_empty_cells_are_no_rows(tmp
     (tmp_path / "run.csv").write_text(f"2024,,\n{between}time,position,current\n1.0,1.5,2.5\n2.0,1.6,2.5\n")
     table = read_table(tmp_path / "run.csv")
     assert table.header == ["time", "position", "current"] and len(table.columns[0]) == 2
+
+
+INFORMATION = """SERVO Graph,3,,,,,
+ItemCount,3,,,,MIN,MAX
+-1,321,MX-1(2.0),Realtime Tick,#000000,-10,8
+-1,321,MX-1(2.0),Present Position,#ffff00,,
+"""
+
+
+@pytest.mark.parametrize("above", [INFORMATION, INFORMATION.replace(",,,,,", ""), "Gain,2,fast\n0.5,12,slow\n"])
+@pytest.mark.parametrize("units", ["", "ms,,counts,,,,\n"])
+def test_numbers_among_words_of_information_are_no_rows(tmp_path, above, units):
+    """As servo programs list the curves of a graph: the names were looked for above that list."""
+    text = f"{above}Time,Realtime Tick,Present Position,,,,\n{units}0,28228,-1,,,,\n106,28334,2,,,,\n"
+    (tmp_path / "run.csv").write_text(text)
+    table = read_table(tmp_path / "run.csv", needed=lambda header: (0, 1, 2))
+    assert [name.split(" [")[0] for name in table.header[:3]] == ["Time", "Realtime Tick", "Present Position"]
+    assert [column.tolist() for column in table.columns[:3]] == [[0.0, 106.0], [28228.0, 28334.0], [-1.0, 2.0]]
+    assert text.split("\n")[table.line(0) - 1].startswith("0,28228")
+
+
+@pytest.mark.parametrize("first", ["0.1,2,running", "0.1,NaN,running", "0.1,2,3"])
+def test_a_second_header_hides_no_rows(tmp_path, first):
+    """A logger that was started anew: what is above its second header are rows, though they may hold words."""
+    rows = f"{first}\n{first.replace('0.1', '0.2')}\ntime,position,state\n{first.replace('0.1', '0.3')}\n"
+    (tmp_path / "run.csv").write_text(f"time,position,state\n{rows}")
+    with pytest.raises(InputError, match="line 4: column 'time': 'time' is no number"):
+        read_table(tmp_path / "run.csv", needed=lambda header: (0,))

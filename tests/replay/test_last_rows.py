@@ -20,7 +20,7 @@ def test_one_is_named_with_its_column(tmp_path):
     assert table.warnings == (said,) and len(table.columns[0]) == 30
 
 
-@pytest.mark.parametrize("end", [";;\n", "0.30;3.0;NaN\n", "0.30;3.0;\n", "-1.#IO;x;y\n"])
+@pytest.mark.parametrize("end", ["0.30;3.0;NaN\n", "0.30;3.0;\n", "-1.#IO;x;y\n"])
 @pytest.mark.parametrize("count", [2, 3])
 def test_a_few_are_counted(tmp_path, end, count):
     table = read(tmp_path, end * count)
@@ -29,12 +29,12 @@ def test_a_few_are_counted(tmp_path, end, count):
     assert len(table.columns[0]) == 30 and np.isfinite(table.columns).all()
 
 
-@pytest.mark.parametrize("end", ["0.30;3.0;NaN\n;;\n", ";;\n0.30;;3\n", ";;\n;;\n0.3"])
+@pytest.mark.parametrize("end", ["0.30;3.0;NaN\n;;\n", ";;\n0.30;;3\n", ";;\n;;\n0.3", ";;\n" * 9])
 def test_they_need_not_be_alike(tmp_path, end):
     assert len(read(tmp_path, end).columns[0]) == 30
 
 
-@pytest.mark.parametrize("end", [";;\n" * 4, "0.30;3.0;NaN\n" * 4, "0.30;3.0;NaN\n0.31;3.1;1\n"])
+@pytest.mark.parametrize("end", ["0.30;3.0;NaN\n" * 4, "0.30;3.0;NaN\n0.31;3.1;1\n"])
 def test_many_or_one_before_the_end_are_refused(tmp_path, end):
     with pytest.raises(InputError, match="line 32: column"):
         read(tmp_path, end)

@@ -3,7 +3,9 @@
 The header is the line above the first row of numbers. Comments, blank lines and quoted texts above it are skipped, and
 so is what stands between it and the rows, unless it begins with a number, as a row that is cut does. A logger that
 starts before its drive answers writes NaN, or nothing, beside the time of its first rows: they are rows all the same.
-Where short names follow a row of units, the names above the units are the header, if each column has its own there. If
+Where short names follow a row of units, the names above the units are the header, if each column has its own there.
+Information above the header may hold numbers among words: lines of numbers above a line of names are no rows if none of
+them holds numbers where the rows below that line do. If
 nothing else names the columns, a comment directly above the rows with the same number of cells does, as written by
 numpy; if it holds units, and the comment above it as many names, these do.
 """
@@ -14,14 +16,13 @@ import re
 from dataclasses import dataclass
 
 from ema_bench_replay.traces.header_words import is_unit
+from ema_bench_replay.traces.missing_numbers import holds_nothing, is_missing
 from ema_bench_replay.traces.time_of_day import is_time_of_day
 
 MOST_LINES = 200
 """Lines in which the first row of numbers must be; otherwise the first line that is not a comment is the header."""
 _DELIMITERS = (";", "\t", ",")
 _NUMBER = re.compile(r"[-+]?[\d.,]*\d[\d.,]*(?:[eE][-+]?\d+)?")
-_MISSING = re.compile(r"[-+]?(?:nan(?:\(\w*\))?|inf(?:inity)?)|#?n/?a|null|none", re.IGNORECASE)
-"""What programs write for a number that they do not have: a value, and no name of a column."""
 _COMMENT = re.compile(r'[#%]|sep=|("[^"]*")?\Z', re.IGNORECASE)
 _UNIT_MARK = re.compile(r"[\[(].*[\])]|[-+\w.*·^⁻¹²]*[°%/µμΩ][-+\w./*·^⁻¹² ]*")
 _TIMES = {"s", "sec", "ms", "us", "ns", "min"}
@@ -60,6 +61,9 @@ def header_lines(block: bytes) -> HeaderLines | None:
     plain = next((k for k, (text, _) in enumerate(lines) if not _is_comment(text)), None)
     if plain is None:
         return None
+    lines_of_names = _names_below_information(lines, plain)
+    if lines_of_names is not None:
+        plain = lines_of_names
     if _is_row(lines[plain][0]) and all(_names_nothing(text) for text, _ in lines[plain + 1 : plain + 2] if text):
         return _header_in_comment(lines, plain)
     rows = _first_row(lines, plain)
@@ -73,6 +77,7 @@ def header_lines(block: bytes) -> HeaderLines | None:
         mark = _delimiter(text)
         units = _cells(lines[of_units][0], mark)
         text = mark.join(_with_units(_with_time(_cells(text, mark), units), units))
+        text += mark if text.endswith(mark) else ""  # an empty name at the end is one
         return HeaderLines(text, rows, lines[rows - 1][1])
     if rows is not None and header == rows - 1:
         mark = _delimiter(lines[rows][0])
@@ -93,9 +98,49 @@ def _first_row(lines: list[tuple[str, int]], plain: int) -> int | None:
         return None
     mark = _delimiter(lines[rows][0])
     width = lines[rows][0].count(mark)
-    while rows > plain and lines[rows - 1][0].count(mark) == width and _names_nothing(lines[rows - 1][0]):
+    while rows > plain and lines[rows - 1][0].count(mark) == width and _may_be_empty_row(lines[rows - 1][0]):
         rows -= 1
     return rows
+
+
+def _names_below_information(lines: list[tuple[str, int]], plain: int) -> int | None:
+    """Index of a line of names below lines that hold numbers but are no rows; None if the first of these is a row.
+
+    All of them have words, or no cell, where the rows below the names hold numbers.
+    """
+    first = next((k for k in range(plain, len(lines)) if _is_row(lines[k][0])), None)
+    if first is None:
+        return None
+    for k in range(first + 1, len(lines) - 1):
+        below = k + 1 if _is_row(lines[k + 1][0]) else k + 2
+        if not _is_line_of_names(lines[k][0]) or below >= len(lines) or not _is_row(lines[below][0]):
+            continue
+        told = [text for text, _ in lines[first:k] if _is_row(text)]
+        return None if any(_is_row_like(text, lines[below][0]) for text in told) else k
+    return None
+
+
+def _is_line_of_names(line: str) -> bool:
+    """Whether a line holds several names and no value; cells at its end may be empty."""
+    cells = [_plain(cell) for cell in line.split(_delimiter(line))]
+    while cells and not cells[-1]:
+        cells.pop()
+    return len(cells) > 1 and not _is_comment(line) and all(map(_is_name, cells))
+
+
+def _is_name(cell: str) -> bool:
+    known = _NUMBER.fullmatch(cell) or is_missing(cell) or is_time_of_day(cell)
+    return not known and re.search(r"[^\W\d_]", cell) is not None
+
+
+def _is_row_like(line: str, row: str) -> bool:
+    """Whether a line holds a number, or a missing one, wherever a row holds a number."""
+    mark = _delimiter(row)
+    cells, others = ([_plain(cell) for cell in text.split(mark)] for text in (line, row))
+    if len(cells) != len(others):
+        return False
+    pairs = zip(cells, others, strict=True)
+    return all(not cell or _NUMBER.fullmatch(cell) or is_missing(cell) for cell, of in pairs if _NUMBER.fullmatch(of))
 
 
 def _torn_row(lines: list[tuple[str, int]], header: int, rows: int) -> bool:
@@ -192,9 +237,14 @@ def _is_row(line: str) -> bool:
 def _names_nothing(line: str) -> bool:
     """Whether a line is a row, or would be one if its drive had answered: it begins with a value, and has no name."""
     cells = [_plain(cell) for cell in line.split(_delimiter(line))]
-    values = [not cell or bool(_NUMBER.fullmatch(cell) or _MISSING.fullmatch(cell)) for cell in cells]
+    values = [not cell or bool(_NUMBER.fullmatch(cell) or is_missing(cell)) for cell in cells]
     begins = bool(cells[0]) and (values[0] or is_time_of_day(cells[0]))
     return _is_row(line) or (len(cells) > 1 and begins and all(values[1:]))
+
+
+def _may_be_empty_row(line: str) -> bool:
+    """Whether a line directly above rows may be one of them: it names nothing, or has empty cells only."""
+    return _names_nothing(line) or holds_nothing([_plain(cell) for cell in line.split(_delimiter(line))])
 
 
 def _are_units(cells: list[str]) -> bool:
@@ -215,7 +265,11 @@ def _are_mostly_units(cells: list[str]) -> bool:
 
 
 def _are_names(cells: list[str]) -> bool:
-    return all(re.search(r"[^\W\d]", cell) for cell in cells[:-1])
+    """Whether all cells but the last one are names; empty ones at the end do not count."""
+    end = len(cells)
+    while end and not _plain(cells[end - 1]):
+        end -= 1
+    return end > 0 and all(re.search(r"[^\W\d]", cell) for cell in cells[: end - 1])
 
 
 def _with_time(names: list[str], units: list[str]) -> list[str]:

@@ -3,7 +3,8 @@
 People write units in brackets, after a slash, a comma, an underscore or the word "in", in English or German; symbols
 come in Greek letters, with subscripts, or with a dot for a rate. Behind a name in letters that are neither Latin nor
 Greek, as in Chinese, a unit needs no mark between. A single letter there is a unit only if the name says so, since it
-may as well be a symbol: the n of a speed, the M of a torque, or the A of a motor A.
+may as well be a symbol: the n of a speed, the M of a torque, or the A of a motor A. Ticks of a time are a clock's, and
+no counts of a position. Inches and feet are written ``in`` and ``ft`` in brackets only, as both are words as well.
 """
 
 from __future__ import annotations
@@ -12,8 +13,23 @@ import re
 import unicodedata
 from dataclasses import dataclass, replace
 
+from ema_bench_replay.units import units_of
+
 COUNTS = "count"
 """The unit of a counter."""
+
+
+def _products(forces: tuple[str, ...], lengths: tuple[str, ...]) -> tuple[str, ...]:
+    """All spellings of a force times a length, in either order."""
+    pairs = [(force, length) for force in forces for length in lengths]
+    pairs += [(length, force) for force, length in pairs]
+    return tuple(f"{one}{mark}{other}" for one, other in pairs for mark in (" ", "*", "·", ".", "-", ""))
+
+
+_POUNDS = ("lbf", "lb", "lbs", "lbsf", "pound", "pounds")
+_OUNCES = ("ozf", "oz", "ounce", "ounces")
+_INCHES = ("in", "inch", "inches")
+_FEET = ("ft", "foot", "feet")
 
 _SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
     # unit: (quantity, its spellings in lower case)
@@ -37,6 +53,8 @@ _SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
     "mm": ("position", ("mm",)),
     "cm": ("position", ("cm",)),
     "um": ("position", ("um", "µm")),
+    "in": ("position", _INCHES[1:]),
+    "ft": ("position", _FEET[1:]),
     "rad/s": ("speed", ("rad/s", "rad/sec", "rad s^-1", "rad s-1", "rads^-1", "rad*s^-1", "1/s", "s^-1", "radps",
                         "radians/s", "radian/second", "radians/second")),
     "rpm": ("speed", ("rpm", "1/min", "u/min", "min^-1", "min-1", "r/min", "rev/min", "upm", "umdr/min", "turns/min",
@@ -53,17 +71,19 @@ _SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
     "mm/s": ("speed", ("mm/s", "mm/sec", "mm s^-1")),
     "cm/s": ("speed", ("cm/s",)),
     "m/min": ("speed", ("m/min",)),
+    "in/s": ("speed", ("in/s", "in/sec", "inch/s", "inch/sec", "inches/s", "inches/sec", "inches/second", "ips")),
+    "in/min": ("speed", ("in/min", "inch/min", "inches/min", "inches/minute", "ipm")),
+    "ft/s": ("speed", ("ft/s", "ft/sec", "foot/s", "feet/s", "feet/sec", "feet/second")),
+    "ft/min": ("speed", ("ft/min", "feet/min", "feet/minute", "fpm")),
     "N m": ("torque", ("nm", "n m", "n*m", "n.m", "n·m", "newtonmeter", "newtonmetre", "n-m")),
     "mN m": ("torque", ("mnm", "mn m", "mn*m", "mn·m", "mn.m")),
     "uN m": ("torque", ("unm", "un m", "un*m", "un·m", "un.m", "µnm", "µn m", "µn*m", "µn·m", "µn.m")),
     "N cm": ("torque", ("ncm", "n cm", "n*cm", "n·cm", "n.cm", "n-cm")),
     "N mm": ("torque", ("nmm", "n mm", "n*mm", "n·mm", "n.mm", "n-mm")),
     "kN m": ("torque", ("knm", "kn m", "kn*m", "kn·m")),
-    "lbf in": ("torque", ("lbf in", "lbf*in", "lbf·in", "lbf.in", "lbf-in", "in lbf", "in·lbf", "in-lbf",
-                          "lb-in", "in-lb")),
-    "lbf ft": ("torque", ("lbf ft", "lbf*ft", "lbf·ft", "lbf.ft", "lbf-ft", "ft lbf", "ft·lbf", "ft-lbf",
-                          "lb-ft", "ft-lb")),
-    "ozf in": ("torque", ("ozf in", "ozf·in", "ozf-in", "oz in", "oz·in", "oz-in", "in oz", "in-oz")),
+    "lbf in": ("torque", _products(_POUNDS, _INCHES)),
+    "lbf ft": ("torque", _products(_POUNDS, _FEET)),
+    "ozf in": ("torque", _products(_OUNCES, _INCHES)),
     "kgf m": ("torque", ("kgf m", "kgfm", "kgf*m", "kgf·m", "kgf.m", "kgf-m", "kgm", "kg m", "kg*m", "kg·m",
                          "kg.m", "kg-m")),
     "kgf cm": ("torque", ("kgf cm", "kgfcm", "kgf*cm", "kgf·cm", "kgf.cm", "kgf-cm", "kgcm", "kg cm", "kg*cm", "kg·cm",
@@ -73,6 +93,9 @@ _SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
     "N": ("torque", ("n", "newton", "newtons")),
     "mN": ("torque", ("mn",)),
     "kN": ("torque", ("kn",)),
+    "lbf": ("torque", _POUNDS),
+    "ozf": ("torque", _OUNCES),
+    "kip": ("torque", ("kip", "kips", "klbf")),
     "A": ("current", ("a", "amp", "amps", "ampere", "amperes", "arms", "aeff", "a rms", "a eff", "a peak", "apk")),
     "uA": ("current", ("ua", "µa")),
     "mA": ("current", ("ma", "milliamp", "milliamps", "marms")),
@@ -83,6 +106,18 @@ _SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 _COUNTS_AS_UNITS = frozenset({"pulse", "increment", "step", "steps", "edges", "schritte", "qc"})
 """Words for counts where a unit stands, in brackets or in a row of units; elsewhere they are parts of names."""
+
+_LENGTHS_IN_BRACKETS = frozenset({"in", "ft"})
+"""Units of length where a unit stands; elsewhere ``in`` is a word, and ``ft`` may be a sensor of force and torque."""
+
+_NO_LENGTH = re.compile(r"torque|moment|force|kraft|speed|veloc|drehzahl|curr|strom|volt|temp|power", re.IGNORECASE)
+"""Names of what is given in no length: ``torque (in)`` is that of an input."""
+
+_TORQUE = re.compile(r"torque|moment", re.IGNORECASE)
+"""Names of what is no force: a torque ``in lb`` is one in inch-pounds."""
+
+_OF_A_CLOCK = re.compile(r"time|zeit|clock|stamp", re.IGNORECASE)
+"""Names of what counts time, as in ``Realtime Tick``."""
 
 _OF_NO_SIGNAL = frozenset({"w", "kw", "va", "kva", "var", "kvar"})
 """Units of power behind a name in other letters."""
@@ -121,6 +156,10 @@ _SUBSCRIPTS = frozenset({"m", "r", "a", "c", "n", "v"})
 """Units of one letter that may also be a subscript: after an underscore they may mean the motor, an axis or a phase."""
 
 
+_SIGNAL = {"position": "motor_position", "speed": "speed", "torque": "motor_torque"}
+"""A signal that is given in the units of each quantity that differs between motions."""
+
+
 @dataclass(frozen=True)
 class HeaderWords:
     """A column's name: its words in lower case, and its unit; None if it has no known one."""
@@ -146,7 +185,7 @@ class HeaderWords:
         """Whether the unit is one of a linear machine; None if it does not show that."""
         if self.quantity not in ("position", "speed", "torque") or self.unit == COUNTS:
             return None
-        return self.unit in ("m", "mm", "cm", "um", "m/s", "mm/s", "cm/s", "m/min", "N", "mN", "kN")
+        return self.unit in units_of(_SIGNAL[self.quantity], "linear")
 
 
 def is_unit(text: str) -> bool:
@@ -173,7 +212,8 @@ def _unit(text: str) -> str | None:
 
 def _unit_in_its_place(text: str) -> str | None:
     """The unit that a text between brackets, or in a row of units, tells."""
-    return _unit(text) or (COUNTS if text.strip().lower() in _COUNTS_AS_UNITS else None)
+    plain = text.strip().lower()
+    return _unit(text) or (COUNTS if plain in _COUNTS_AS_UNITS else plain if plain in _LENGTHS_IN_BRACKETS else None)
 
 
 def _without_unit(text: str) -> tuple[str, str | None, bool, str]:
@@ -181,7 +221,11 @@ def _without_unit(text: str) -> tuple[str, str | None, bool, str]:
     foreign = ""
     for found in reversed(list(_BRACKETS.finditer(text))):
         if unit := _unit_in_its_place(found[1]):
-            return text[: found.start()] + " " + text[found.end() :], unit, False, ""
+            name = text[: found.start()] + " " + text[found.end() :]
+            if found[1].lower() in _LENGTHS_IN_BRACKETS and _NO_LENGTH.search(name):
+                foreign = foreign or found[1]
+                continue
+            return (name, None, False, found[1]) if _ticks(name, unit) else (name, unit, False, "")
         foreign = foreign or ("" if _names_a_part(found) else found[1])
     plain = _BRACKETS.sub(lambda found: f" {found[1]} " if _names_a_part(found) else " ", text).strip() or text
     name, tail = _without_glued_unit(plain)
@@ -192,9 +236,24 @@ def _without_unit(text: str) -> tuple[str, str | None, bool, str]:
         before, after = plain[: mark.start()].strip(" /,_"), plain[mark.end() :]
         unit = _unit(after) or _unit_in_underscores(after)
         told = _told_quantities(before) if _is_letter(after) else ()
-        if unit and before and (not told or _SPELLINGS[unit][0] in told):
+        if unit and before and not _ticks(before, unit) and (not told or _SPELLINGS[unit][0] in told):
+            if unit in ("lbf", "ozf") and _TORQUE.search(before) and (of_inches := _after_in(before, mark[0])):
+                return of_inches, f"{unit} in", False, ""
             return before, unit, mark[0] == "_" and after.lower() in _SUBSCRIPTS, ""
     return plain, None, False, foreign
+
+
+def _after_in(before: str, mark: str) -> str:
+    """The name before the word ``in`` that is before a unit; empty if there is no such word."""
+    if mark.strip() == "in":
+        return before
+    found = re.search(r"[\s_]+in\Z", before)
+    return before[: found.start()] if found else ""
+
+
+def _ticks(name: str, unit: str) -> bool:
+    """Whether counts are the ticks of a clock that a name tells."""
+    return unit == COUNTS and _OF_A_CLOCK.search(name) is not None
 
 
 def _names_a_part(bracket: re.Match[str]) -> bool:
@@ -246,10 +305,10 @@ def _symbol(name: str) -> tuple[tuple[str, ...], str]:
 
 
 def _unit_in_underscores(text: str) -> str | None:
-    """The unit of ``rad_s``, ``rad_per_s``, ``N_m`` or ``kgf_cm``."""
-    if "_" not in text:
+    """The unit of ``rad_s``, ``rad_per_s``, ``N_m`` or ``kgf_cm``; the word ``in`` may be at its beginning."""
+    if "_" not in text or re.match(r"in_(?!per_)", text, re.IGNORECASE):
         return None
-    of_torque = re.fullmatch(r"[mkuµ]?N_[cm]?m|k?gf?_c?m", text, re.IGNORECASE)
+    of_torque = re.fullmatch(r"[mkuµ]?N_[cm]?m|k?gf?_c?m|lb[fs]?_(in|ft)|ozf?_in|ft_lb[fs]?", text, re.IGNORECASE)
     as_torque = _unit(text.replace("_", " ")) if of_torque else None
     return as_torque or _unit(text.replace("_per_", "/").replace("_", "/"))
 

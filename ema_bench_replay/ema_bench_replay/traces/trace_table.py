@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 import warnings
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
@@ -17,6 +17,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.long_columns import Column, less_rows
 from ema_bench_replay.traces.blank_columns import rows_with_tabs, with_tabs
 from ema_bench_replay.traces.header_lines import NoHeader, header_lines
+from ema_bench_replay.traces.missing_numbers import holds_nothing
 from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
 from ema_bench_replay.traces.row_ends import rows_without_ends, without_row_ends
 from ema_bench_replay.traces.text_blocks import NotText, text_blocks
@@ -55,9 +56,10 @@ class TraceTable:
         return f"{self.path}: line {self.line(row)}"
 
     def without(self, rows: np.ndarray) -> TraceTable:
-        """The table without some rows (counted from 0, ascending); only for a table with no rows removed yet."""
+        """The table without some of its rows (counted from 0, ascending)."""
         columns = [less_rows(column, rows) for column in self.columns]
-        return replace(self, columns=columns, left_out=tuple(int(row) for row in rows))
+        left_out = {*self.left_out, *(self.line(int(row)) - self.header_line - 1 for row in rows)}
+        return replace(self, columns=columns, left_out=tuple(sorted(left_out)))
 
 
 @dataclass(frozen=True)
@@ -88,11 +90,11 @@ def read_table(
     Above the header there may be comments (#, %), blank lines, quoted texts and lines with other cells than the rows;
     below it the same, or a row of units, which are appended to the names in brackets. Blank lines and comments may end
     the file. Columns may be separated by blanks, and a semicolon may end each row. Times of day and dates are converted
-    to s. An incomplete last row is dropped, with a warning, and so are up to three last rows that are empty, or lack a
-    number in a needed column (in any if none is needed) in which all rows before hold one. `delimiter` and
-    `number_format` ("german", "english") are detected if they are None. `needed` returns for a header the columns that
-    must hold numbers; others may hold words and empty cells. `progress` is called with the share read so far. Raises
-    InputError.
+    to s. Rows that hold nothing in any column are left out, with one warning. An incomplete last row is dropped, with a
+    warning, and so are up to three last rows that lack a number in a needed column (in any if none is needed) in which
+    all rows before hold one. `delimiter` and `number_format` ("german", "english") are detected if they are None.
+    `needed` returns for a header the columns that must hold numbers; others may hold words and empty cells. `progress`
+    is called with the share read so far. Raises InputError.
     """
     try:
         if (size := path.stat().st_size) > LARGEST:
@@ -123,6 +125,8 @@ def read_table(
     columns = [column.finish() for column in growing]
     if not columns[0].size:
         raise InputError(f"{path}: has a header and no rows below it; export the trace again")
+    if rows.empty:
+        rows.report_empty()
     style = rows.style(newline)
     in_seconds = frozenset(rows.header[column] for column in rows.times_of_day)
     return TraceTable(
@@ -134,6 +138,7 @@ def read_table(
         rows.decimals,
         style,
         tuple(rows.warnings),
+        tuple(rows.empty),
         in_seconds=in_seconds,
     )
 
@@ -156,6 +161,7 @@ class _RowReader:
         self.waiting = b""  # blank lines and comments that end the rows read so far
         self.warnings: list[str] = []
         self.times_of_day: set[int] = set()  # columns that hold such
+        self.empty: list[int] = []  # rows of the file, counted from 0, that hold nothing and are left out
         self.written_delimiter = delimiter or next((mark for mark in (";", "\t", ",") if mark in header), ";")
         cells = [cell.strip().strip('"').strip() for cell in header.split(self.written_delimiter)]
         self.trailing = len(cells) > 1 and not cells[-1]
@@ -186,7 +192,7 @@ class _RowReader:
             rows = self._only_needed(text)
         if rows is None:
             rows = self._careful(text, is_last)
-        self.line += len(rows)
+        self.line += text.count(b"\n")
         self.known &= np.isfinite(rows).all(axis=0)
         return rows
 
@@ -229,6 +235,12 @@ class _RowReader:
             return text + b"\n"
         self._report_torn(self.line + text.count(b"\n"))
         return text[:end]
+
+    def report_empty(self) -> None:
+        """Warn of the rows that hold nothing."""
+        first, count = self.first_line + self.empty[0], len(self.empty)
+        which = f"line {first} holds" if count == 1 else f"{count} rows (the first in line {first}) hold"
+        self.warnings.append(f"{self.path.name}: {which} no number in any column: left out")
 
     def _report_torn(self, line: int) -> None:
         self.warnings.append(
@@ -301,19 +313,22 @@ class _RowReader:
         The file's last few rows are left out if they lack numbers that all rows before hold, as a logger writes that is
         switched off meanwhile.
         """
-        lines = text.decode("latin-1").split("\n")[:-1]
-        if is_last and lines and len(self._cells(lines[-1])) < len(self.header):
-            self._report_torn(self.line + len(lines) - 1)
-            lines.pop()
-        rows = np.empty((len(lines), len(self.header)))
+        numbered = [(self.line + k, line) for k, line in enumerate(text.decode("latin-1").split("\n")[:-1])]
+        whole = [(at, line) for at, line in numbered if not holds_nothing(line.split(self.delimiter))]
+        held = {at for at, _ in whole}
+        self.empty += [at - self.first_line for at, _ in numbered if at not in held]
+        if is_last and whole and whole[-1] == numbered[-1] and len(self._cells(whole[-1][1])) < len(self.header):
+            self._report_torn(whole[-1][0])
+            whole.pop()
+        rows = np.empty((len(whole), len(self.header)))
         at_end: dict[int, dict[int, str]] = {}  # cells of the last rows that are no numbers, by row and column
-        for number, line in enumerate(lines):
+        for number, (at, line) in enumerate(whole):
             cells = self._cells(line)
             if len(cells) != len(self.header):
-                self._refuse_unnamed(lines)
+                self._refuse_unnamed([line for _, line in whole])
                 counts = f"has {len(cells)} cell{'s' * (len(cells) != 1)} where the header has {len(self.header)}"
-                raise InputError(f"{self.path}: line {self.line + number}: {counts}; remove or complete the row")
-            may_end = is_last and len(lines) - number <= _MOST_AT_END and self.line + number > self.first_line
+                raise InputError(f"{self.path}: line {at}: {counts}; remove or complete the row")
+            may_end = is_last and len(whole) - number <= _MOST_AT_END and at > self.first_line
             for column, cell in enumerate(cells):
                 try:
                     rows[number, column] = self.format.value(cell)
@@ -326,8 +341,8 @@ class _RowReader:
                     if may_end and not _is_number(cell):
                         at_end.setdefault(number, {})[column] = cell
                     elif column in self.needed:
-                        raise self._no_number(number, column, cell) from None
-        return self._without_end(rows, at_end)
+                        raise self._no_number(at, column, cell) from None
+        return self._without_end(rows, at_end, [at for at, _ in whole])
 
     def _refuse_unnamed(self, lines: list[str]) -> None:
         """Raise InputError if all rows have as many cells more than the header has names."""
@@ -350,15 +365,17 @@ class _RowReader:
             cells.pop()
         return cells
 
-    def _no_number(self, row: int, column: int, cell: str) -> InputError:
+    def _no_number(self, line: int, column: int, cell: str) -> InputError:
         wrong = f"{cell!r} is no number in {self.format.example} format" if cell else "the cell is empty"
         return InputError(
-            f"{self.path}: line {self.line + row}: column {self.header[column]!r}: {wrong}; correct it, remove the "
+            f"{self.path}: line {line}: column {self.header[column]!r}: {wrong}; correct it, remove the "
             "row, or leave the column out of the import map"
         )
 
-    def _without_end(self, rows: np.ndarray, at_end: Mapping[int, Mapping[int, str]]) -> np.ndarray:
-        """The rows without the last ones that lack numbers; ``at_end`` are their cells that are none.
+    def _without_end(
+        self, rows: np.ndarray, at_end: Mapping[int, Mapping[int, str]], lines: Sequence[int]
+    ) -> np.ndarray:
+        """The rows without the last ones that lack numbers; ``at_end`` are their cells that are none, ``lines`` theirs.
 
         Raises InputError if a row that stays lacks a number in a needed column.
         """
@@ -370,19 +387,17 @@ class _RowReader:
             whole = self.known & np.isfinite(rows[:begin]).all(axis=0)
             ended = [self._lacking(at_end[row], whole, judged) for row in range(begin, len(rows))]
             if (column := ended[0]) is not None and None not in ended:
-                self._report_unreadable(self.line + begin, len(ended), self.header[column], at_end[begin][column])
+                self._report_unreadable(lines[begin], len(ended), self.header[column], at_end[begin][column])
                 rows = rows[:begin]
                 break
         for row, cells in at_end.items():
             for column, cell in cells.items():
                 if row < len(rows) and column in self.needed:
-                    raise self._no_number(row, column, cell)
+                    raise self._no_number(lines[row], column, cell)
         return rows
 
     def _lacking(self, cells: Mapping[int, str], whole: np.ndarray, judged: Collection[int]) -> int | None:
-        """The column by which a row belongs to the end: one that was ``whole`` before, or any of an empty row."""
-        if len(cells) == len(self.header) and not any(cells.values()):
-            return 0
+        """The column by which a row belongs to the end: one that was ``whole`` before."""
         return next((column for column in cells if column in judged and whole[column]), None)
 
 

@@ -19,6 +19,7 @@ from .shown_draft import (
     in_unit,
     say_next,
     say_search,
+    say_unused,
     say_what_it_rests_on,
     say_what_to_look_at,
     warn_of_contradicted_names,
@@ -216,13 +217,20 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
         )
     for name in guesses.row_counters:
         say(f"{name}: not used, since it rises by the same step in every row, as the number of a row does")
+    for name in guesses.clock_counters:
+        say(
+            f"{name}: not used, since it counts at a constant rate, as a clock does (if it counts a shaft's turns, say "
+            "so in its name, as in 'motor position [counts]', and run init again)"
+        )
     taken = next((guess.column for guess in guesses.signals if guess.signal == "motor_position"), "")
     for name in guesses.other_axes:
         say(
             f"{name}: not used, since {taken} goes with the speed more (if it is the motor's, say so in its name, as "
             "in 'motor position', and run init again)"
         )
-    for name in run_columns(guesses.left):
+    runs = run_columns(guesses.left)
+    say_unused(guesses, [name for name in guesses.left if name and name not in {*no_numbers, *runs}])
+    for name in runs:
         count = count_of_runs(numbers[name])
         if count > 1:
             say(f"{name}: seems to number {count} runs; {how_to_read_runs(name)}")

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 _NOTHING = {True: "nothing had to be guessed", False: "no line to check, but a signal is missing: see below"}
 _OPEN = "inertia and friction are open: start values only, which fit or discover replace"
 _MOST_REASONS = 4  # shown of one file
+_MOST_COLUMNS = 8  # shown of those with the same reason
 
 
 def warn_of_contradicted_names(guesses: Guesses) -> None:
@@ -50,6 +51,29 @@ def warn_of_foreign_units(guesses: Guesses) -> None:
                 f"{guess.column}: '{foreign}' is not a unit of the {signal}; the values are read as {unit}, and all "
                 "results scale with that. Give the conversion as the signal's `factor` in the map"
             )
+
+
+def say_unused(guesses: Guesses, columns: Sequence[str]) -> None:
+    """Print why those of the ``columns`` that may be meant are not used: their unit, or another column."""
+    from ..new_machine.unused_columns import beside_those_taken, with_unknown_units
+
+    units = with_unknown_units(columns)
+    if units:
+        say(
+            f"Not used, since no signal is given in these units: {_shortened(units)} (if one is a signal, convert it "
+            "to SI units, correct the header, and run init again)"
+        )
+    others = [name for name in beside_those_taken(guesses, columns) if name not in units]
+    if others:
+        say(
+            f"Not used, since other columns are read in their place: {_shortened(others)} (if one is meant, remove the "
+            "column that was taken, and run init again)"
+        )
+
+
+def _shortened(names: Sequence[str]) -> str:
+    more = f" and {len(names) - _MOST_COLUMNS} more" if len(names) > _MOST_COLUMNS else ""
+    return f"{', '.join(names[:_MOST_COLUMNS])}{more}"
 
 
 def say_what_it_rests_on(map_file: Path, place: Path, besides: Sequence[str], known: Sequence[str] = ()) -> str:

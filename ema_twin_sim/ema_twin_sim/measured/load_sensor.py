@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..criteria import CORRELATION, FEWEST_ROWS, NEGLIGIBLE, PART, SIGNIFICANT, SMALL, TOO_MUCH
+from ..criteria import CORRELATION, FEWEST_ROWS, MOSTLY, NEGLIGIBLE, PART, SIGNIFICANT, SMALL, TOO_MUCH
 from ..reading_noise import polled_noise, reading_noise
 from .row_noise import smallest_step
 from .smoothing import gaussian, smooth
@@ -96,6 +97,22 @@ def torque_per_current(recordings: Sequence[Recording]) -> float | None:
     motion, load, drive = rows[:, :_MOTION], rows[:, _MOTION], rows[:, _MOTION + 1]
     load, drive = _beside(motion, load), _beside(motion, drive)
     return float(load @ drive) / float(drive @ drive)
+
+
+def load_over_motor_torque(recordings: Sequence[Recording]) -> float | None:
+    """The factor by which the load changes more than the motor's torque does; None if they hardly go together.
+
+    Both without the torque of the motion. Behind a gear whose ratio was not reckoned with, it is about that ratio:
+    neither torque is free of errors, so this is the mean of both regressions.
+    """
+    both = [r for r in recordings if r.has("motor_torque", "load_torque") and load_varies(r)]
+    both = [replace(r, signals={n: v for n, v in r.signals.items() if n != "current"}) for r in both]
+    rows = np.concatenate([*(_rows_of_points(r) for r in both if r.of_points), _all_rows(both)])
+    likeness = _likeness_of(rows) if len(rows) > _MOTION + _FEWEST_POINTS else None
+    if likeness is None or abs(likeness) < MOSTLY:
+        return None
+    load, drive = (_beside(rows[:, :_MOTION], rows[:, column]) for column in (_MOTION, _MOTION + 1))
+    return float(np.linalg.norm(load) / np.linalg.norm(drive))
 
 
 def left_of_the_drive(recordings: Sequence[Recording]) -> tuple[float, float] | None:

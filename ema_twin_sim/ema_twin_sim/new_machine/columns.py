@@ -17,6 +17,7 @@ from ema_bench_replay.traces.header_words import COUNTS, HeaderWords, header_wor
 from ema_bench_replay.traces.import_map import TIME_UNITS
 from ema_bench_replay.units import units_of
 
+from .clock_counters import clock_counters
 from .column_quantity import has_word, word_quantity
 from .column_words import MOTOR_ITSELF, OUTPUT, SLIDES
 from .joints import ONE_JOINT, Joint, JointColumn, one_joint
@@ -80,6 +81,7 @@ class Guesses:
     other_axes: tuple[str, ...] = ()  # positions not used since another goes with the speed more
     other_torques: tuple[Guess, ...] = ()  # torques beside the motor's, as the loads that they may be
     row_counters: tuple[str, ...] = ()  # columns not used since they only number the rows
+    clock_counters: tuple[str, ...] = ()  # columns not used since they count time
 
     @property
     def drives(self) -> bool:
@@ -152,7 +154,8 @@ def guess_columns(
         )
     names = [*without_lone_letters([read for read in names if read is not time])]
     counters = row_counters(names, numbers, time)
-    usable = [read for read in names if read.name not in {*no_numbers, *counters}]
+    clocks = clock_counters([read for read in names if read.name not in {*no_numbers, *counters}], numbers, time)
+    usable = [read for read in names if read.name not in {*no_numbers, *counters, *clocks}]
     whole = {name: values for name, values in numbers.items() if name not in no_numbers}
     of_joint, usable = one_joint([_joint_column(read) for read in usable], whole, joint)
     other_motion = tuple(
@@ -199,6 +202,7 @@ def guess_columns(
         other_axes=other_axes,
         other_torques=loads,
         row_counters=counters,
+        clock_counters=clocks,
     )
 
 

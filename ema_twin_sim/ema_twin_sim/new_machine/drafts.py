@@ -33,6 +33,7 @@ from .given import Given
 from .load_by_numbers import doubted_motors_torque, load_by_numbers
 from .map_draft import draft_map, wrapped_after
 from .model_draft import ModelDraft, draft_model, farthest
+from .never_changing import without_motion
 from .position_beside_speed import not_summed, share_beside_speed, unlike_speed
 from .rows import may_be_points
 from .shaft import Shaft, is_geared, is_possible, position_shaft, ratio_of_positions, too_slow_for_a_motor
@@ -41,6 +42,7 @@ from .torque_beside_current import not_proportional
 from .unit_questions import questions_about_units
 from .unsigned_drive import unsigned_signals
 
+_STILL = "not used, since it never changes, as of a sensor that is not connected, or of a shaft that is held"
 _OUTPUTS = ("output_position", "output_command")
 _DRIVE = ("current", "current_setpoint", "motor_torque")
 
@@ -80,12 +82,21 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         return Drafts(drafted, checked_model((recording,), given, shaft, source).text)
     for recording in recordings:
         _refuse_slow_samples(recording, guesses)
+    still = [guess.column for guess in guesses.signals if guess.signal in without_motion(recordings)]
+    if still:
+        guesses = guesses.without(still)
+        if not guesses.signals:
+            raise InputError(
+                f"{source}: {', '.join(still)}: never changes, and nothing else is left to read; record a motion, and "
+                "the motor's current or torque"
+            )
+        recordings = _read(draft_map(guesses, of, shaft), traces)
     magnitudes = frozenset(guess.signal for guess in guesses.signals if guess.magnitude)
     if new := unsigned_signals(recordings) - magnitudes:
-        return checked_drafts(guesses.as_magnitudes(new), given, traces)
+        return checked_drafts(as_guessed.as_magnitudes(new), given, traces)
     behind, unknown = load_by_numbers(recordings, guesses, lambda tried: _read(draft_map(tried, of, shaft), traces))
     if behind is not None:
-        return checked_drafts(guesses.with_load(behind), given, traces)
+        return checked_drafts(as_guessed.with_load(behind), given, traces)
     reason = _no_load(recordings, guesses.motion)
     not_load = f"not used as the load: {reason}" if reason else ""
     of_signal = {
@@ -203,7 +214,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         model.text,
         asked,
         (*assumed, *model.assumed),
-        {**left_out, **unknown},
+        {**dict.fromkeys(still, _STILL), **left_out, **unknown},
         warnings,
         tuple(shown),
         magnitudes,

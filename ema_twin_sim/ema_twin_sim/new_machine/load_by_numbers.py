@@ -9,8 +9,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from ema_bench_replay.recording import Recording
+from ema_bench_replay.traces.header_words import header_words
 from ema_bench_replay.units import signal_unit
 
+from ..measured.load_sensor import times_current
+from .column_quantity import has_word
+from .column_words import COMPUTED, ESTIMATED
 from .columns import Guess, Guesses
 from .map_draft import quoted
 from .torque_beside_current import (
@@ -19,6 +23,7 @@ from .torque_beside_current import (
     not_filtered,
     not_proportional,
     with_load_as_torque,
+    with_motors_torque_as_load,
 )
 
 
@@ -63,16 +68,29 @@ def doubted_motors_torque(recordings: Sequence[Recording], guesses: Guesses) -> 
     current, torque = found.get("current"), found.get("motor_torque")
     if current is None or torque is None or torque.of_motor or torque.command or "load_torque" in found:
         return "", ""
-    share = not_filtered(recordings)
-    if share is None:
-        return "", ""
     unit = torque.unit or signal_unit("load_torque", guesses.motion)
-    line = f"load_torque: {{columns: [{quoted(torque.column)}], unit: {unit}, shaft: output}}"
+    share = not_filtered(recordings)
+    if share is not None:
+        line = f"load_torque: {{columns: [{quoted(torque.column)}], unit: {unit}, shaft: output}}"
+        return (
+            f"{100.0 * share:.0f} % of it does not follow {current.column}: is it the motor's, or a sensor's behind "
+            "the machine?",
+            f"if a sensor behind the machine measured it, replace its line of the map by `{line}`",
+        )
+    points = [with_motors_torque_as_load(recording) for recording in recordings if recording.of_points]
+    if not points or _is_computed(torque) or times_current(points) is not None:
+        return "", ""
     return (
-        f"{100.0 * share:.0f} % of it does not follow {current.column}: is it the motor's, or a sensor's behind the "
-        "machine?",
-        f"if a sensor behind the machine measured it, replace its line of the map by `{line}`",
+        f"each row is an operating point, where a torque measured at the shaft goes with {current.column} too: is it "
+        "the motor's, or a dynamometer's?",
+        f"if a dynamometer or a load sensor measured it, say so in its name, as in 'load torque [{unit}]', and run "
+        "init again",
     )
+
+
+def _is_computed(torque: Guess) -> bool:
+    """Whether a torque's name says that a drive estimated or computed it."""
+    return has_word(header_words(torque.column).words, f"{COMPUTED}|{ESTIMATED}")
 
 
 def _differ(recordings: Sequence[Recording]) -> bool:

@@ -22,6 +22,7 @@ from ..reading_noise import beside_fast_signal, drowns, noise_of_points, polled_
 from ..simulation.behind_motor import of_encoders_alone
 from .drive_gains import drive_gains
 from .given import Given
+from .load_beside_motor import shown_gear
 from .shaft import (
     ALIKE,
     EXACT,
@@ -63,6 +64,9 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
     motion = recording.motion
     inertia, viscous, dry = (1e-3, 0.01, 0.1) if motion == "rotary" else (1.0, 10.0, 1.0)
     ratio = _ratio(recording, given.gear_ratio, shaft)
+    gear = shown_gear(recordings) if ratio is not None and ratio.source == ASSUMED else None
+    if ratio is not None and gear is not None:
+        ratio = replace(ratio, doubt="; ".join(filter(None, (gear.comment, ratio.doubt))))
     two_sided = (
         ratio is not None
         and recording.has("motor_position", "output_position")
@@ -101,7 +105,7 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
         remedy += f"; if it is in mN m/A, give {given.torque_constant / 1000.0:g}"
     assumed = (f"torque constant read as that of the joint, gear included: {at_joint} ({remedy})",) if at_joint else ()
     question = question_about(given.torque_constant, turns, fastest, at_joint=bool(at_joint), motion=motion)
-    questions = (question, _question_about_ratio(recording, given.gear_ratio, shaft))
+    questions = (question, _question_about_ratio(recording, given.gear_ratio, shaft), gear.question if gear else "")
     return ModelDraft("\n".join(lines) + "\n", assumed, tuple(filter(None, questions)))
 
 

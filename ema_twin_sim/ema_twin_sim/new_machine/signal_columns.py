@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ema_bench_replay.traces.header_words import HeaderWords
+from ema_bench_replay.traces.header_words import COUNTS, HeaderWords
 
 from ..criteria import SMALL
 from ..measured.load_sensor import exact_factor
@@ -34,6 +34,7 @@ from .column_words import (
     TRANSDUCER,
 )
 from .joints import likeness, travel
+from .never_changing import never_changes
 from .position_beside_speed import going_with_speed
 
 
@@ -103,7 +104,8 @@ def choose_signals(
 
     def of(quantity: str, *, setpoint: bool = False) -> list[Column]:
         found = [c for c in columns if c.quantity == quantity and c.setpoint == setpoint and c not in taken.values()]
-        return sorted(found, key=lambda c: (has_word(c.read.words, FILTERED), c.shaft == "output", not c.actual))
+        found.sort(key=lambda c: (has_word(c.read.words, FILTERED), c.shaft == "output", not c.actual))
+        return sorted(found, key=lambda c: quantity in ("position", "speed") and never_changes(numbers.get(c.name)))
 
     def take(signal: str, found: Sequence[Column]) -> None:
         if found:
@@ -132,6 +134,8 @@ def choose_signals(
     elsewhere = [] if named else _of_other_axes(unsaid, taken.get("speed"), time, numbers)
     if numbers:
         unsaid.sort(key=lambda c: (has_word(c.read.words, FILTERED), c in elsewhere, -travel(c.read, numbers)))
+    if any(word_quantity(c.read.words) == "position" for c in unsaid):  # what only counts may count anything
+        unsaid.sort(key=_only_counts)
     take("motor_position", [*(c for c in positions if c.shaft == "motor"), *unsaid])
     if (motor := taken.get("motor_position")) is not None:
         if motor in unsaid:  # a driver sets a pedal, which moves otherwise
@@ -144,6 +148,11 @@ def choose_signals(
         if signal not in taken and other in taken and not (signal == "motor_torque" and "current" in taken):
             taken[signal] = taken.pop(other)
     return taken, tuple(c.name for c in elsewhere if c not in taken.values())
+
+
+def _only_counts(position: Column) -> bool:
+    """Whether a column is taken for a position by its unit of counts alone."""
+    return position.read.unit == COUNTS and word_quantity(position.read.words) != "position"
 
 
 def _of_other_axes(

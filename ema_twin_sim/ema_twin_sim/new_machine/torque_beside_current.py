@@ -102,7 +102,7 @@ def measured_behind(recordings: Sequence[Recording]) -> float | None:
 
     It is one if they leave little, and the motion explains most of what the torque alone leaves.
     """
-    left = left_of_the_drive([_as_load(r) for r in recordings if r.has("current", "motor_torque")])
+    left = left_of_the_drive([with_motors_torque_as_load(r) for r in recordings if r.has("current", "motor_torque")])
     if left is None:
         return None
     alone, with_motion = left
@@ -119,7 +119,7 @@ def counts_against(recordings: Sequence[Recording]) -> bool:
     current = np.concatenate([_known(r)[0] for r in both]) if both else np.zeros(0)
     if not len(current) or min(np.mean(current < 0.0), np.mean(current > 0.0)) < NEGLIGIBLE:
         return False
-    return falls_with_load([_as_load(r) for r in both])
+    return falls_with_load([with_motors_torque_as_load(r) for r in both])
 
 
 def with_load_as_torque(recording: Recording) -> Recording:
@@ -135,7 +135,7 @@ def with_load_as_torque(recording: Recording) -> Recording:
     return replace(recording, signals=signals)
 
 
-def _as_load(recording: Recording) -> Recording:
+def with_motors_torque_as_load(recording: Recording) -> Recording:
     """The recording with the motor's torque as its load."""
     signals = dict(recording.signals)
     signals["load_torque"] = signals.pop("motor_torque")

@@ -1,0 +1,32 @@
+"""Positions and speeds that never change, as those of a sensor that is not connected: they show no motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ema_bench_replay.recording import Recording
+
+_MOTIONS = ("motor_position", "output_position", "speed")
+
+
+def never_changes(values: np.ndarray | None) -> bool:
+    """Whether all known values (n,) are the same; False if there are fewer than two."""
+    known = np.zeros(0) if values is None else values[np.isfinite(values)]
+    return len(known) > 1 and float(np.ptp(known)) == 0.0
+
+
+def without_motion(recordings: Sequence[Recording]) -> tuple[str, ...]:
+    """The positions that are the same in all samples of all recordings, and a speed that is always zero.
+
+    A speed that is steady may be true, and operating points may be at rest.
+    """
+    if any(recording.of_points for recording in recordings):
+        return ()
+    held = [name for name in _MOTIONS if all(recording.has(name) for recording in recordings)]
+    return tuple(name for name in held if all(_stands(recording.signals[name], name) for recording in recordings))
+
+
+def _stands(values: np.ndarray, signal: str) -> bool:
+    return never_changes(values) and (signal != "speed" or not np.nan_to_num(values).any())

@@ -1,0 +1,92 @@
+"""Inches, feet, pounds, ounces and kips: in headers, in rows of units and in import maps, with their exact factors."""
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.load import load
+from ema_bench_replay.traces.header_words import header_words
+from ema_bench_replay.traces.trace_table import read_table
+from ema_bench_replay.units import ALL_UNITS
+
+
+@pytest.mark.parametrize(
+    ("unit", "value"),
+    [
+        ("in", 0.0254),
+        ("ft", 0.3048),
+        ("in/s", 0.0254),
+        ("in/min", 0.0254 / 60.0),
+        ("ft/s", 0.3048),
+        ("ft/min", 0.3048 / 60.0),
+        ("lbf", 4.4482216152605),
+        ("ozf", 0.27801385095378125),
+        ("kip", 4448.2216152605),
+        ("lbf in", 0.1129848290276167),
+        ("lbf ft", 1.3558179483314004),
+        ("ozf in", 0.00706155181422604375),
+    ],
+)
+def test_factors_are_exact(unit, value):
+    assert ALL_UNITS[unit] == pytest.approx(value, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("displacement (in)", "in"),
+        ("x inches", "in"),
+        ("stroke [ft]", "ft"),
+        ("velocity (in/s)", "in/s"),
+        ("v_in_per_s", "in/s"),
+        ("feed rate (ipm)", "in/min"),
+        ("speed ft/s", "ft/s"),
+        ("actuator force 1 (lb)", "lbf"),
+        ("force in lbf", "lbf"),
+        ("force_in_lb", "lbf"),
+        ("friction force (kip)", "kip"),
+        ("Torque [lb-in]", "lbf in"),
+        ("Torque (in-lb)", "lbf in"),
+        ("Torque in lb", "lbf in"),
+        ("torque_in_lb", "lbf in"),
+        ("torque ft-lbs", "lbf ft"),
+        ("torque_lb_ft", "lbf ft"),
+        ("torque (oz-in)", "ozf in"),
+    ],
+)
+def test_they_are_read_in_names(name, unit):
+    assert header_words(name).unit == unit
+
+
+@pytest.mark.parametrize("name", ["current in", "torque (in)", "pos_in", "speed in", "wrist ft", "voltage_in", "in"])
+def test_words_that_are_no_units(name):
+    assert header_words(name).unit is None
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"), [("time_in_s", "s"), ("angle in deg", "deg"), ("Speed (in) [rpm]", "rpm"), ("M in Nm", "N m")]
+)
+def test_the_word_before_a_unit_is_no_inch(name, unit):
+    assert header_words(name).unit == unit
+
+
+@pytest.mark.parametrize(
+    ("name", "linear"), [("x (in)", True), ("F [lb]", True), ("v [ft/s]", True), ("M [lb-ft]", False), ("t [s]", None)]
+)
+def test_they_tell_the_kind_of_motion(name, linear):
+    assert header_words(name).linear is linear
+
+
+def test_a_row_of_them_is_one_of_units(tmp_path):
+    (tmp_path / "run.csv").write_text("Time,Stroke,Load\nsec,in,lb\n0.0,1.5,20\n0.1,1.6,21\n")
+    assert read_table(tmp_path / "run.csv").header == ["Time [sec]", "Stroke [in]", "Load [lb]"]
+
+
+def test_an_import_map_takes_them(tmp_path):
+    (tmp_path / "own.yaml").write_text(
+        "version: 1\nmotion: linear\ntime: {column: t, unit: s}\nsignals:\n"
+        "  speed: {columns: [v], unit: in/s}\n  motor_torque: {columns: [F], unit: lbf}\n"
+    )
+    (tmp_path / "run.csv").write_text("t,v,F\n0,1,2\n0.001,2,4\n")
+    signals = load(tmp_path / "run.csv", import_map=tmp_path / "own.yaml").signals
+    assert np.allclose(signals["speed"], [0.0254, 0.0508], rtol=1e-12)
+    assert np.allclose(signals["motor_torque"], [8.896443230521, 17.792886461042], rtol=1e-12)
