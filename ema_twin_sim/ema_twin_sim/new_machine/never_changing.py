@@ -20,12 +20,16 @@ def never_changes(values: np.ndarray | None) -> bool:
 def without_motion(recordings: Sequence[Recording]) -> tuple[str, ...]:
     """The positions that are the same in all samples of all recordings, and a speed that is always zero.
 
-    A speed that is steady may be true, and operating points may be at rest.
+    A speed that is steady may be true, and operating points may be at rest. A motor's position beside a speed that
+    changes is judged by that.
     """
     if any(recording.of_points for recording in recordings):
         return ()
     held = [name for name in _MOTIONS if all(recording.has(name) for recording in recordings)]
-    return tuple(name for name in held if all(_stands(recording.signals[name], name) for recording in recordings))
+    still = [name for name in held if all(_stands(recording.signals[name], name) for recording in recordings)]
+    if "speed" in held and "speed" not in still:
+        still = [name for name in still if name != "motor_position"]
+    return tuple(still)
 
 
 def _stands(values: np.ndarray, signal: str) -> bool:
