@@ -85,11 +85,11 @@ METHOD = {
     "discovery/experiment/suggestion.py": "SLOW FAST",
     "discovery/followed.py": "SECONDS STEPS ENOUGH TRIED FINER UNCOUNTED",
     "discovery/left_over.py": "_BINS _FEWEST",
-    "discovery/search/laws.py": "ITERATIONS",
     "discovery/search/adding.py": "ENTRANTS SECOND_LOOKS NEXT_TO_NOTHING",
     "discovery/search/found_orders.py": (
         "HIGHEST HIGHEST_UNGEARED HIGHEST_OF_MOTOR MOST FEWEST_TURNS MANY_CYCLES SLOW LEAST_DIGITS MOST_DIGITS SAME"
     ),
+    "discovery/search/laws.py": "ITERATIONS",
     "discovery/search/rivals.py": "SWAPS",
     "discovery/search/search_order.py": "MORE",
     "discovery/search/unknown.py": "MOST_ROUNDS TRIED",

@@ -1,6 +1,7 @@
 """An encoder of few counts, as a hall sensor or a slotted disc has: its inertia is not too small."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.measured.balance_estimate import estimate_balance
-from ema_twin_sim.measured.held_readings import noise_of_held, samples_held
+from ema_twin_sim.measured.held_readings import noise_of_held, noise_of_readings, samples_held
 from ema_twin_sim.measured.scales import rms_torque
 from tests.open_motor import open_motor
 
@@ -44,6 +45,31 @@ def test_the_first_estimate_of_an_inertia_needs_no_fine_encoder(counts, period):
     given, model = [counted(counts, period)], hall_motor(counts, period)
     found = estimate_balance(given, model, rms_torque(given, model))
     assert found.inertia == pytest.approx(INERTIA, rel=0.1)
+
+
+def test_nor_a_speed_that_is_computed_as_often_as_it_is_logged():
+    """Third differences of samples see nothing of a noise of 1 rad/s that is held for eight of them."""
+    fine = counted(1e6, 1e-3)
+    time = fine.time
+    speed = np.gradient(fine.signals["motor_position"], 1e-3)
+    held = (speed + np.random.default_rng(4).standard_normal(len(time)))[np.arange(len(time)) // 8 * 8]
+    given = [replace(fine, signals={**fine.signals, "speed": held})]
+    model = hall_motor(1e6, 1e-3)
+    assert noise_of_readings(held) == pytest.approx(math.sqrt(8.0), rel=0.1)
+    assert estimate_balance(given, model, rms_torque(given, model)).inertia == pytest.approx(INERTIA, rel=0.1)
+
+
+def test_a_long_recording_of_a_coarse_counter_is_no_longer_work():
+    """The kernels widen until the motion fades in them, and are evaluated where they are needed."""
+    time = 1e-3 * np.arange(300_000)
+    angle = -0.25 * np.cos(20.0 * time)
+    speed, acceleration = 5.0 * np.sin(20.0 * time), 100.0 * np.cos(20.0 * time)
+    torque = INERTIA * acceleration + VISCOUS * speed + DRY * np.sign(speed)
+    count = 2.0 * math.pi / 42.0
+    signals = {"current": torque / CONSTANT, "motor_position": count * np.floor(angle / count)}
+    given = [Recording("long", np.round(time * 1e9).astype(np.int64), signals)]
+    found = estimate_balance(given, hall_motor(42.0, 1e-3), rms_torque(given, hall_motor(42.0, 1e-3)))
+    assert found is not None and found.inertia < 2.0 * INERTIA
 
 
 @pytest.mark.slow

@@ -1,5 +1,6 @@
 """A torque constant that would induce more volts than any drive has may be in a wrong unit, or of another shaft."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -32,12 +33,13 @@ def turning(*signals, **metadata):
     return Recording("turning", 1_000_000 * np.arange(len(TIME)), {n: every[n] for n in signals}, metadata=metadata)
 
 
+def with_source(model, source):
+    return {**model.constants, TORQUE_CONSTANT: replace(model.constants[TORQUE_CONSTANT], source=source)}
+
+
 def told(recording, torque_constant, source="data sheet"):
     model = open_motor(torque_constant, 0.01, 1e-3)
-    known = replace(model.constants[TORQUE_CONSTANT], source=source)
-    return refuse_inconsistent(
-        *to_own_units([recording], replace(model, constants={**model.constants, TORQUE_CONSTANT: known}))
-    )
+    return refuse_inconsistent(*to_own_units([recording], replace(model, constants=with_source(model, source))))
 
 
 @pytest.mark.parametrize("motion", [("speed",), ("motor_position",), ("speed", "motor_position")])
@@ -59,6 +61,22 @@ def test_a_motion_read_in_the_wrong_unit_is_asked_about():
 def test_a_torque_constant_that_is_assumed_or_does_not_count_is_left_in_peace():
     assert told(turning("current", "speed", **{BY_TORQUE: "yes"}), 70.0) == ()
     assert told(turning("current", "speed"), 70.0, "assumed") == ()
+
+
+def test_so_is_one_that_is_open(stock):
+    """A start value says nothing of the machine."""
+    model = open_motor(70.0, 0.01, 1e-3)
+    known = replace(model.constants[TORQUE_CONSTANT], source="start value", tolerance=math.inf)
+    free = replace(model, constants={**model.constants, TORQUE_CONSTANT: known})
+    assert refuse_inconsistent(*to_own_units([turning("current", "speed")], free)) == ()
+
+
+def test_positions_in_any_order_tell_no_speed():
+    points = 0.1 * np.random.default_rng(5).permutation(300)
+    signals = {"motor_position": points, "current": 0.1 * np.sin(points) + 0.2}
+    recording = Recording("points", 1_000_000 * np.arange(300), signals, metadata={"operating_points": "yes"})
+    model = open_motor(70.0, 0.01, 1e-3)
+    assert impossible_voltage(recording, replace(model, constants=with_source(model, "data sheet"))) is None
 
 
 def test_so_is_a_machine_whose_inertia_is_known(stock):

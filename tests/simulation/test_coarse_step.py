@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from ema_bench_replay.recording import Recording
-from ema_twin_sim.model import load_model
+from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.simulation.fidelity import DEFAULT_STEP
 from ema_twin_sim.simulation.longest_step import coarse_step
 from ema_twin_sim.simulation.simulate import simulate
@@ -38,7 +38,7 @@ def test_stiff_teeth_and_fine_models_keep_their_own(stock):
     assert coarse_step(load_model("polito_hf")) is None
 
 
-def without_drive(tmp_path, period):
+def without_drive(tmp_path, period, **effects):
     """A motor of which only currents are recorded, once in a ``period`` [s]; it stops within a second."""
     model = {
         "version": 1,
@@ -47,11 +47,14 @@ def without_drive(tmp_path, period):
             "torque_constant": {"value": 1.0, "unit": "N m/A", "source": "made up"},
         },
         "sensors": {"sample_period": {"value": period, "unit": "s", "source": "made up"}},
-        "effects": {"viscous_friction": {"effect": "viscous_friction", "parameters": {"coefficient": 0.2}}},
+        "effects": {"viscous_friction": {"effect": "viscous_friction", "parameters": {"coefficient": 0.2}}, **effects},
     }
     place = tmp_path / "logged.yaml"
     place.write_text(yaml.safe_dump(model))
     return load_model(place)
+
+
+COGGING = {"effect": "cogging", "options": {"order": "12"}, "parameters": {"torque": 0.05, "phase": 0.0}}
 
 
 @pytest.mark.parametrize(("period", "step"), [(0.2, 5e-3), (2e-3, 5e-5), (1e-3, DEFAULT_STEP), (1e-4, DEFAULT_STEP)])
@@ -60,6 +63,19 @@ def test_a_slow_log_without_a_drive_takes_forty_steps_a_sample(tmp_path, period,
     model = without_drive(tmp_path, period)
     assert Twin(model, "current").step == pytest.approx(step)
     assert coarse_step(model) == pytest.approx(2.0 * step)
+
+
+def test_a_torque_that_repeats_with_the_angle_keeps_the_usual_step(tmp_path):
+    """Within a long step a fast motor turns by whole waves, and the torque would stand still."""
+    model = without_drive(tmp_path, 0.2, cogging=COGGING)
+    assert Twin(model, "current").step == pytest.approx(DEFAULT_STEP)
+    assert coarse_step(model) == pytest.approx(2.0 * DEFAULT_STEP)
+
+
+def test_a_written_model_takes_the_same_steps(tmp_path):
+    model = without_drive(tmp_path, 0.01).with_value("sensors.sample_period", 0.2)
+    written = load_model(save_model(model, tmp_path / "written.yaml"))
+    assert Twin(written, "current").step == Twin(model, "current").step == pytest.approx(5e-3)
 
 
 def test_such_steps_are_converged(tmp_path):

@@ -191,8 +191,10 @@ def _inconsistent(recordings: Sequence[Recording], model: Model) -> list[str]:
     found: list[Inconsistency] = []
     for group in parts:
         its = list(islice(rest, len(group)))
-        told = ([*inconsistencies(part, its_model, own)] for part in its)
-        found += next(filter(None, told), [])  # other parts of a long recording would repeat what the first one reports
+        told = [mistakes for part in its if (mistakes := [*inconsistencies(part, its_model, own)])]
+        # other parts of a long recording would repeat what the first one reports
+        sure = (mistakes for mistakes in told if any(one.certain for one in mistakes))
+        found += next(sure, told[0] if told else [])
     return told_once(found, len(recordings))
 
 

@@ -8,7 +8,7 @@ from ..criteria import NEGLIGIBLE, NOISY, PART
 from ..effects import catalogue
 from ..identification.hypothesis import COMPLIANT_EFFECTS
 from ..model.roles import BRISTLE
-from .search.trace import BEATEN, SURER, Search, new_names
+from .search.trace import SWAPS, Search, new_names
 from .unseen import Unseen
 
 
@@ -74,7 +74,7 @@ def _before_both(found: Search, k: int) -> int:
     swaps = [
         turn
         for turn in found.taken[k:]
-        if turn.reason in {BEATEN, SURER} and (turn is found.taken[k] or not new_names(turn.before, turn.after))
+        if turn.reason in SWAPS and (turn is found.taken[k] or not new_names(turn.before, turn.after))
     ]
     gone = {name for turn in swaps for name in new_names(turn.after, turn.before)}
     return next((j for j, earlier in enumerate(found.taken[:k]) if not gone.isdisjoint(earlier.added)), k)

@@ -16,10 +16,9 @@ from ema_bench_replay.recording import Recording, spread
 
 from ..criteria import CONTRADICTED, NEGLIGIBLE, SMALL
 from ..model import Model
-from ..reading_noise import reading_noise
 from ..simulation.sensor_noise import counter_noise
-from .held_readings import noise_of_held
-from .smoothing import gaussian, smooth
+from .held_readings import noise_of_held, noise_of_readings
+from .smoothing import gaussian, smooth_at
 
 FIRST_WIDTH = 10.0  # sample periods: the kernel's standard deviation before a time scale is known
 LEAST_WIDTH = 2.5  # sample periods
@@ -66,19 +65,20 @@ def _rows(recording: Recording, model: Model, own_time: float | None) -> tuple[n
     """(columns (m, k), torque (m,)) of a recording, two kernel widths apart; the last column is the constant.
 
     Where the acceleration is noisy, the kernel is wider: its noise makes an inertia too small, which would suggest a
-    kernel that is narrower still.
+    kernel that is narrower still. None may be quiet, since a kernel that is too wide leaves nothing of the motion: then
+    it is the quietest.
     """
     period = recording.sample_period
     width = FIRST_WIDTH * period if own_time is None else KERNEL * own_time
     widest = max(NEGLIGIBLE * recording.duration, LEAST_WIDTH * period)
     width = max(min(width, widest), LEAST_WIDTH * period)
     signals = _even(recording)
-    while True:
-        columns, drive, noise = _smoothed(signals, model, period, width)
-        square = float(np.mean(columns[:, 0] ** 2)) if len(columns) else math.inf
-        if noise**2 <= SMALL**2 * square or width >= widest:
-            return columns, drive
+    best = _smoothed(signals, model, period, width)
+    while best[-1] > SMALL and width < widest:
         width = min(WIDER * width, widest)
+        best = min(best, _smoothed(signals, model, period, width), key=lambda one: one[-1])
+    columns, drive, _ = best
+    return columns, drive
 
 
 def _even(recording: Recording) -> dict[str, np.ndarray]:
@@ -95,26 +95,36 @@ def _even(recording: Recording) -> dict[str, np.ndarray]:
 def _smoothed(
     signals: dict[str, np.ndarray], model: Model, period: float, width: float
 ) -> tuple[np.ndarray, np.ndarray, float]:
-    """(columns (m, k), torque (m,), noise of the acceleration) through a kernel of this ``width`` [s]."""
-    plain, slope = gaussian(width, period), gaussian(width, period, 1)
-    position = smooth(signals["motor_position"], plain)
+    """(columns (m, k), torque (m,), rms noise of the acceleration over its rms) through a kernel of this ``width`` [s].
+
+    The share is infinite where nothing moves.
+    """
+    plain, slope, bend = (gaussian(width, period, order) for order in (0, 1, 2))
+    count, half = len(signals["motor_position"]), max(map(len, (plain, slope, bend))) // 2
+    centres = np.arange(half, count - half, max(1, round(2.0 * width / period)))
+
+    def through(kernel: np.ndarray, name: str) -> np.ndarray:
+        smoothed = np.empty(len(centres))
+        smooth_at(signals[name], np.ascontiguousarray(kernel[::-1]), centres, smoothed)
+        return smoothed
+
+    position = through(plain, "motor_position")
     if "speed" in signals:
-        speed, acceleration = smooth(signals["speed"], plain), smooth(signals["speed"], slope)
-        read = noise_of_held(reading_noise(signals["speed"]), signals["speed"])
+        differentiator, reading = slope, noise_of_readings(signals["speed"])
+        speed, acceleration = through(plain, "speed"), through(slope, "speed")
     else:
-        slope = gaussian(width, period, 2)
-        speed = smooth(signals["motor_position"], gaussian(width, period, 1))
-        acceleration = smooth(signals["motor_position"], slope)
-        read = noise_of_held(counter_noise(model, "motor"), signals["motor_position"])
-    drive = model.value("machine.torque_constant") * smooth(signals["current"], plain)
+        differentiator = bend
+        reading = noise_of_held(counter_noise(model, "motor"), signals["motor_position"])
+        speed, acceleration = through(slope, "motor_position"), through(differentiator, "motor_position")
+    drive = model.value("machine.torque_constant") * through(plain, "current")
     if "load_torque" in signals:  # a measured load opposes positive motion
-        drive = drive - smooth(signals["load_torque"], plain)
-    half = len(plain) // 2
-    kept = np.arange(half, len(position) - half, max(1, round(2.0 * width / period)))
-    kept = kept[np.abs(speed[kept]) > NEGLIGIBLE * np.abs(speed).max()]
+        drive = drive - through(plain, "load_torque")
     angle = position / model.value("machine.gear_ratio")
-    columns = [acceleration, speed, np.sign(speed), np.sin(angle), np.cos(angle), angle, np.ones(len(position))]
-    return np.stack(columns, 1)[kept], drive[kept], read * float(np.linalg.norm(slope))
+    columns = [acceleration, speed, np.sign(speed), np.sin(angle), np.cos(angle), angle, np.ones(len(centres))]
+    kept = np.abs(speed) > NEGLIGIBLE * np.abs(speed).max(initial=0.0)
+    square = float(np.mean(acceleration[kept] ** 2)) if kept.any() else 0.0
+    noise = reading * float(np.linalg.norm(differentiator))
+    return np.stack(columns, 1)[kept], drive[kept], noise / math.sqrt(square) if square > 0.0 else math.inf
 
 
 def _regressed(

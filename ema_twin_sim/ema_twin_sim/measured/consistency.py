@@ -258,7 +258,9 @@ def _by_friction(recording: Recording, model: Model, beside: Sequence[Recording]
     """
     if sign_of_drive(recording, model) >= 0:
         return
-    other = next((other.name for other in beside if sign_of_drive(other, model) > 0), None)
+    other = next(
+        (other.name for other in beside if other.name != recording.name and sign_of_drive(other, model) > 0), None
+    )
     yield Inconsistency(
         recording.name,
         "the current pushes against inertia and friction, as if its sign were turned round"

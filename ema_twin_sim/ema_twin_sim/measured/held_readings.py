@@ -10,13 +10,23 @@ import math
 
 import numpy as np
 
+from ..reading_noise import reading_noise
+
 
 def samples_held(values: np.ndarray) -> float:
     """Samples (at least 1) for which a signal (n,) usually shows one reading, until it changes."""
     changes = np.flatnonzero(np.diff(values))
-    return max(float(np.median(np.diff(changes))), 1.0) if len(changes) > 1 else 1.0
+    return float(np.median(np.diff(changes))) if len(changes) > 1 else 1.0
 
 
 def noise_of_held(noise: float, values: np.ndarray) -> float:
     """Standard deviation of the white noise per sample that is as large, after a wide kernel, as a held ``noise``."""
     return noise * math.sqrt(samples_held(values))
+
+
+def noise_of_readings(values: np.ndarray) -> float:
+    """The same of a signal (n,) whose noise is not known, from the readings that differ from the one before.
+
+    Third differences of samples see nothing of a noise that is held for longer.
+    """
+    return noise_of_held(reading_noise(values[np.r_[True, np.diff(values) != 0.0]]), values)

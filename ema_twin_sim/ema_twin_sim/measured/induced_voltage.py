@@ -5,11 +5,13 @@ A motor of k N m/A (k N/A) induces k V s/rad (k V s/m).
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..criteria import ALL_BUT_SPIKES, TOO_MUCH
+from ..criteria import NEARLY_ALL, TOO_MUCH
 from ..model import Model
 from ..model.check_comment import is_assumed
 from ..model.matching import BY_TORQUE
@@ -25,22 +27,31 @@ rectified). Drives of small motors and robots have 24 to 325 V."""
 def impossible_voltage(recording: Recording, model: Model) -> float | None:
     """The voltage [V] that the model's torque constant would induce at the recorded speed, if it is far beyond ``BUS``.
 
-    None if it is not, and where no torque constant is given or none counts: it is assumed, or a torque was recorded.
+    None if it is not, and where no torque constant is known or none counts: it is open or assumed, or a torque was
+    recorded.
     Recording and model are in the machine's own units.
     """
-    source = model.constants[TORQUE_CONSTANT].source
-    if not recording.has("current") or BY_TORQUE in recording.metadata or source == ABSENT or is_assumed(source):
+    constant = model.constants[TORQUE_CONSTANT]
+    unknown = constant.source == ABSENT or is_assumed(constant.source) or math.isinf(constant.tolerance)
+    if unknown or not recording.has("current") or BY_TORQUE in recording.metadata:
         return None
     voltage, _ = shown(model, model.value(TORQUE_CONSTANT) * _top_speed(recording), "V")
     return voltage if voltage > TOO_MUCH * BUS else None
 
 
 def _top_speed(recording: Recording) -> float:
-    """The largest speed [rad/s] but for spikes, or the largest mean speed between two counts; 0 if none is known."""
+    """A speed [rad/s] that a recording exceeds only now and then; 0 if none is known.
+
+    It is the measured one, or the mean over as many samples as displacements are compared over. Operating points may
+    come in any order: their positions tell no speed.
+    """
     if recording.has("speed"):
-        return float(np.nanquantile(np.abs(recording.signals["speed"]), ALL_BUT_SPIKES))
-    if not recording.has("motor_position"):
+        speeds = recording.signals["speed"]
+    elif recording.of_points or not recording.has("motor_position"):
         return 0.0
-    lag = lag_of(recording)
-    position, time = recording.signals["motor_position"], recording.time
-    return float(np.nanmax(np.abs(position[lag:] - position[:-lag]) / (time[lag:] - time[:-lag]), initial=0.0))
+    else:
+        lag = lag_of(recording)
+        position, time = recording.signals["motor_position"], recording.time
+        speeds = (position[lag:] - position[:-lag]) / (time[lag:] - time[:-lag])
+    known = np.abs(speeds[np.isfinite(speeds)])
+    return float(np.quantile(known, NEARLY_ALL)) if len(known) else 0.0

@@ -35,10 +35,6 @@ VERSION = 1
 OPEN = "open"
 ABSENT = "not given: the machine has none"
 TORQUE_CONSTANT = "machine.torque_constant"
-CONTROL_CYCLE = "drive.control_cycle"
-_CONTROLLER = ("drive.speed_gain", CONTROL_CYCLE)
-CYCLES_IN_SAMPLE = 8
-"""Control cycles assumed in a sample period where no drive is known: as many as usual ones in a period of 1 ms."""
 SHAFTS = ("motor", "output")
 """Shafts to which a torque constant may refer; a model holds the one at the motor."""
 _KEYS = ("version", "base", *PARTS, "orders", "other_orders", "effects")
@@ -53,11 +49,6 @@ def load_model(name: str | os.PathLike[str]) -> Model:
 def model_files(name: str | os.PathLike[str]) -> list[Path]:
     """The files of a model: its own and its bases."""
     return _read_whole(name)[1]
-
-
-def without_drive(constants: Mapping[str, ConstantValue]) -> bool:
-    """Whether nothing is known of a speed controller: only a recorded current or torque can drive such a model."""
-    return all(constants[path].source == ABSENT for path in _CONTROLLER)
 
 
 def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = False) -> Path:
@@ -228,10 +219,6 @@ def _model(path: Path, content: Mapping[str, Any]) -> Model:
                 unit = unit_in(constant.unit, motion)
                 how = "give its value, a plain number" if unit == "1" else f"give its value in {unit}"
                 raise check.error(f"{part}.{name}", "is missing", how)
-    if without_drive(constants):
-        usual, period = CONSTANTS[CONTROL_CYCLE], constants["sensors.sample_period"].value
-        assumed = min(max(period / CYCLES_IN_SAMPLE, constants[CONTROL_CYCLE].value), usual.upper)
-        constants[CONTROL_CYCLE] = constants[CONTROL_CYCLE].at(assumed)
     if TORQUE_CONSTANT in constants and isinstance(of_motor := machine.get("torque_constant"), dict):
         shaft = check.choice(of_motor.get("shaft", SHAFTS[0]), f"{TORQUE_CONSTANT}.shaft", SHAFTS)
         if shaft != SHAFTS[0]:  # a joint's torque per ampere includes the gear ratio

@@ -18,6 +18,7 @@ from ..model.own_units import shown
 from ..plant.layout import ANGLE_ERRORS, DRY_LEVEL, ENCODER_MEMORY, PLANT, Effects
 from ..plant.operating_point import PARAMETER_SLOTS, compile_effect
 from .fidelity import FineParts, fine_parts
+from .idle_controller import control_cycle
 from .lumped_train import lump_train
 
 _SAME_NAME = (
@@ -37,7 +38,6 @@ _SAME_NAME = (
     "drive.anti_windup_time",
     "drive.torque_limit",
     "drive.current_limit",
-    "drive.control_cycle",
     "drive.current_lag",
     "transmission.contact_stiffness",
     "transmission.contact_damping",
@@ -72,6 +72,7 @@ def assemble(model: Model, *, by_current: bool = False) -> Assembly:
     record = plant[0]
     for path in _SAME_NAME:
         record[path.partition(".")[2]] = model.value(path)
+    record["control_cycle"] = control_cycle(model)
     record["motor_inertia"] = model.value("machine.motor_inertia") + model.value("machine.gearbox_inertia")
     record["nominal_torque_constant"] = model.value("machine.torque_constant")
     record["two_inertia"] = model.kinds["transmission"] == "two_inertia"
@@ -143,7 +144,7 @@ def _check(model: Model, record: np.void) -> None:
 
 def longest_delay(model: Model) -> float:
     """The longest encoder delay [s] that the plant can simulate: the length of its memory of control cycles."""
-    return (ENCODER_MEMORY - 2) * model.value("drive.control_cycle")
+    return (ENCODER_MEMORY - 2) * control_cycle(model)
 
 
 def effect_slots(effect: Effect, instance: EffectInstance) -> list[float]:

@@ -13,7 +13,6 @@ from ema_bench_replay.errors import InputError
 from ..effects import catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
-from ..model.model_file import CONTROL_CYCLE
 from ..model.planetary_constants import DAMAGED_WHEELS, PLANETARY_CONSTANTS, RUNOUT_WHEELS
 from ..model.roles import SPRING
 from ..plant.energy import ENERGIES
@@ -32,6 +31,7 @@ from ..plant.planetary.mesh_table import mean_stiffness, mesh_table
 from ..plant.planetary.phases import mesh_phases, opposite_flank
 from ..plant.switching.current_reference import phase_amplitude
 from ..plant.switching.layout import WINDING, resting
+from .idle_controller import stepped_cycle
 
 TANGENTIAL_RATIO = 0.8
 """Tangential over normal stiffness of a contact: 2 (1 - nu) / (2 - nu) with Poisson's ratio nu (Mindlin 1949)."""
@@ -84,7 +84,7 @@ def own_step(model: Model, asked: float | None) -> float:
 
     ``asked`` is another one than these 25 µs.
     """
-    return (asked or DEFAULT_STEP) / DEFAULT_STEP * CYCLE_SHARE * model.value(CONTROL_CYCLE)
+    return (asked or DEFAULT_STEP) / DEFAULT_STEP * CYCLE_SHARE * stepped_cycle(model)
 
 
 def usual_step(parts: FineParts) -> float:

@@ -9,13 +9,15 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 
 from ..model import Model
-from ..model.model_file import CONTROL_CYCLE, without_drive
 from .assembly import Assembly, assemble
 from .fidelity import CYCLE_SHARE, DEFAULT_STEP, FineParts, is_fine
+from .idle_controller import stepped_cycle, without_controller
 
 COARSE = 2.0
 """Times the default step, where only differences matter. Of 36 recordings of six ``bench_cases`` it changes the current
 RMSE of one by 2 %, of the others by less than 1 %."""
+SAFE = 0.5
+"""Share of the longest step that is used where a step that no user chose would be longer."""
 Limit = tuple[float, str, str]
 """Step [s], what is too fast for a longer one, what to change."""
 
@@ -49,9 +51,9 @@ def coarse_step(model: Model) -> float | None:
     step = COARSE * DEFAULT_STEP
     if model.units is not None:  # such steps are told as shares of the cycle, and shortened where necessary
         return step
-    of_cycle = COARSE * CYCLE_SHARE * model.value(CONTROL_CYCLE)
-    if without_drive(model.constants):
-        return min(of_cycle, longest_step(assemble(model))[0])
+    of_cycle = COARSE * CYCLE_SHARE * stepped_cycle(model)
+    if without_controller(model):
+        return min(of_cycle, SAFE * longest_step(assemble(model))[0])
     step = min(step, of_cycle)
     return step if DEFAULT_STEP < step <= longest_step(assemble(model))[0] else None
 

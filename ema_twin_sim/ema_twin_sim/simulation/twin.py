@@ -14,7 +14,6 @@ from ..effects import catalogue
 from ..model import EffectInstance, Model
 from ..model.constants import CONSTANTS
 from ..model.model import parameter_range
-from ..model.model_file import without_drive
 from ..plant.kernel import kernel
 from ..plant.layout import (
     BENCH,
@@ -42,14 +41,12 @@ from .assembly import Assembly, assemble
 from .divergence import States, looks_lost, refuse_divergence, states_of
 from .driving_flank import begin_behind_measured_motion, lead
 from .fidelity import DEFAULT_STEP, kept, own_step, resting_state, restored, set_in_motion, usual_step, with_parts
+from .idle_controller import control_cycle, without_controller
 from .inside import Energies, Wheels, energies, wheels
-from .longest_step import longest_step, refuse_long_step
+from .longest_step import SAFE, longest_step, refuse_long_step
 from .switchable import switchable as with_all_effects
 
 __all__ = ["DEFAULT_STEP", "ParameterDescription", "Twin"]
-
-SAFE = 0.5
-"""Share of the longest step that is used if a model in own units would take a longer one."""
 
 ROWS_AT_A_TIME = 500
 """Samples after which a simulation that diverges is stopped."""
@@ -91,7 +88,7 @@ class Twin:
     ) -> None:
         if source not in INPUTS:
             raise InputError(f"input '{source}' is not known; give one of {', '.join(INPUTS)}")
-        longest = max(1e-3, model.value("drive.control_cycle"))
+        longest = max(1e-3, control_cycle(model))
         if step is not None and not 1e-8 <= step <= longest:
             raise InputError(f"step {step} s is out of range; give 1e-8 to {longest:g} s")
         if switchable:
@@ -309,7 +306,7 @@ class Twin:
     def _take(self, model: Model) -> None:
         assembly = assemble(model, by_current=self.source == CURRENT)
         parts = assembly.fine
-        chosen = model.units is None and (self._asked_step is not None or not without_drive(model.constants))
+        chosen = model.units is None and (self._asked_step is not None or not without_controller(model))
         if chosen or parts.switching or parts.planetary:
             step = self._asked_step or usual_step(parts)
             refuse_long_step(model, assembly, step)

@@ -74,10 +74,11 @@ def order_candidates(
 def _beside_another(problem: EquationErrorProblem, f: Fit, order: float) -> bool:
     """Whether an ``order`` of the motor is hardly another one than that of a torque that the model already has.
 
-    Two waves are told apart where one makes more cycles than the other. Over fewer, the second one is how the first
-    swells and fades: where a slow sampling or a filter takes a part of it at high speed.
+    Two waves are told apart where one makes more cycles than the other: one more if both are whole, as the motor's own
+    are. Any other order must make two more. With fewer it is how the first one swells and fades, where a slow sampling
+    or a filter takes a part of it at high speed.
     """
-    model, apart = f.hypothesis.model(), FEWEST_CYCLES / max(_turns(problem), 1.0)
+    model, apart = f.hypothesis.model(), (1.0 if _is_whole(order) else FEWEST_CYCLES) / max(_turns(problem), 1.0)
     waves = [
         n for n, i in model.active.items() if "order" in i.options and catalogue()[i.effect].depends_on != "encoders"
     ]

@@ -23,7 +23,11 @@ def with_best_laws(f: Fit) -> Fit:
     is, so the best of them is fitted in full unless it is clearly worse.
     """
     for name, held in f.hypothesis.added.items():
-        while (better := _under_a_better_law(f, name, catalogue()[held.effect])) is not None:
+        effect = catalogue()[held.effect]
+        for _ in effect.options[effect.law] if effect.law else ():  # no more often than there are laws
+            better = _under_a_better_law(f, name, effect)
+            if better is None:
+                break
             f = better
     return f
 

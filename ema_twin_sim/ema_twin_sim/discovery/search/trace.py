@@ -19,6 +19,8 @@ NEEDLESS = "no longer needed after the effect that was added"
 BEATEN = "another effect explains more in its place"
 SURER = "another effect explains as much in its place and is certain"
 SIMPLER = "a simpler effect explains as much in its place, beside what is unknown"
+SWAPS = frozenset({BEATEN, SURER, SIMPLER})
+"""Reasons for which an effect gave its place to another."""
 WANDERS_OVER_TIME = "friction that varies slowly over the recording explains as much"
 WANDERS = "friction that varies slowly explains as much"
 UNCERTAIN = "its numbers are too uncertain, or those of no machine"
