@@ -89,6 +89,13 @@ def test_a_reading_is_held_until_it_changes():
     assert noise_of_held(0.5, np.repeat(np.arange(10.0), 4)) == pytest.approx(1.0)
 
 
+def test_a_speed_that_changes_now_and_then_is_no_held_reading():
+    to_and_fro = np.sign(np.sin(0.01 * np.arange(5000.0) + 0.1))
+    assert noise_of_readings(to_and_fro) == 0.0
+    noisy = to_and_fro + 0.1 * np.random.default_rng(6).standard_normal(5000)
+    assert noise_of_readings(noisy) == pytest.approx(0.1, rel=0.1)
+
+
 def test_a_held_noise_is_as_large_after_a_wide_kernel_as_it_says():
     random = np.random.default_rng(2)
     held = np.repeat(random.standard_normal(5000), 6)

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from ..reading_noise import reading_noise
+from .way_by_speed import FEWEST
 
 
 def samples_held(values: np.ndarray) -> float:
@@ -27,6 +28,8 @@ def noise_of_held(noise: float, values: np.ndarray) -> float:
 def noise_of_readings(values: np.ndarray) -> float:
     """The same of a signal (n,) whose noise is not known, from the readings that differ from the one before.
 
-    Third differences of samples see nothing of a noise that is held for longer.
+    Third differences of samples see nothing of a noise that is held for longer. But a speed that changes now and then
+    holds what it is, and no reading.
     """
-    return noise_of_held(reading_noise(values[np.r_[True, np.diff(values) != 0.0]]), values)
+    readings = values[np.r_[True, np.diff(values) != 0.0]]
+    return noise_of_held(reading_noise(readings), values) if len(readings) > FEWEST else reading_noise(values)
