@@ -11,10 +11,10 @@ pytestmark = pytest.mark.slow
 
 RATE = 1000.0
 """Hz."""
-FEW = HISTORY // 5
+FEW = HISTORY // 2
 """Samples that a reader may lose as it joins: until its first answer the publisher does not wait for it, so that the
-oldest that are kept are dropped while they are sent to it; on a busy machine that takes some tenths of a second. A
-reader that takes what it never saw for lost tells of all that came before it, several times as many."""
+oldest that are kept are dropped while they are sent to it; on a busy machine that takes up to a second. A reader that
+takes what it never saw for lost tells of all that came before it, three times as many and more."""
 
 
 @pytest.fixture
