@@ -65,11 +65,20 @@ def test_a_slow_log_without_a_drive_takes_forty_steps_a_sample(tmp_path, period,
     assert coarse_step(model) == pytest.approx(2.0 * step)
 
 
-def test_a_torque_that_repeats_with_the_angle_keeps_the_usual_step(tmp_path):
+RIPPLE = {"effect": "output_ripple", "options": {"order": "12"}, "parameters": {"torque": 0.05, "phase": 0.0}}
+GRAVITY = {"effect": "gravity_load", "parameters": {"torque": 0.05, "angle": 0.0}}
+
+
+@pytest.mark.parametrize("wave", [COGGING, RIPPLE])
+def test_a_torque_that_repeats_with_the_angle_keeps_the_usual_step(tmp_path, wave):
     """Within a long step a fast motor turns by whole waves, and the torque would stand still."""
-    model = without_drive(tmp_path, 0.2, cogging=COGGING)
+    model = without_drive(tmp_path, 0.2, **{wave["effect"]: wave})
     assert Twin(model, "current").step == pytest.approx(DEFAULT_STEP)
     assert coarse_step(model) == pytest.approx(2.0 * DEFAULT_STEP)
+
+
+def test_a_weight_repeats_too_seldom_to_matter(tmp_path):
+    assert Twin(without_drive(tmp_path, 0.2, gravity_load=GRAVITY), "current").step == pytest.approx(5e-3)
 
 
 def test_a_written_model_takes_the_same_steps(tmp_path):

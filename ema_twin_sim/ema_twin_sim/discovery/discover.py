@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from types import MappingProxyType
@@ -45,7 +45,7 @@ from .search.removing import less, significant
 from .search.rivals import Rivalry, judged_against_rivals, undecided
 from .search.search import search
 from .search.search_order import in_another_order
-from .search.trace import Round, Search
+from .search.trace import Search
 from .search.unknown import beside_the_unknown, doubted
 from .search.wandering_end import (
     less_what_wandering_explains,
@@ -55,31 +55,11 @@ from .search.wandering_end import (
 from .shares import of_sums, with_division
 from .slight_laws import without_slight_laws
 from .split import ClosedLoop, with_best_split
+from .steps import Step, most_telling_first, steps_of
 from .straight_waves import of_straight_waves
 from .torque_constant import with_factor_as_constant, with_factor_in_the_constant
 from .unmoved import beside_constants_as_filed, freed, with_unmoved_constants
 from .unseen import Judge, Unseen, gain_where_unseen
-
-
-@dataclass(frozen=True)
-class Step:
-    """One step: an effect added (or removed again), with the error before and after on data that was not fitted to.
-
-    The first step starts from the given model with its own constants fitted. ``error_removed`` (0 to 1) counts this
-    step only.
-    """
-
-    effect: str
-    instance: str
-    action: str  # add or remove
-    rmse_before: float
-    rmse_after: float
-    unit: str
-    output_before: float | None  # rad, RMSE of the output (see ``Unseen``); None if not measured
-    output_after: float | None
-    error_removed: float | None
-    reason: str
-    tried: tuple[dict[str, object], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,8 +223,8 @@ def discover(
     rivals = tuple(rivalry.beside(best) for rivalry in rivals if rivalry.effect in best.hypothesis.effects)
     left = unseen.rmse[-1] / unseen.noise_floor if unseen.noise_floor > 0.0 else 1.0
     errors = with_division(errors_beside_curves(problem, best), best, left)
-    steps = _steps(found, unseen)
-    order = _most_telling_first(best.hypothesis.added, steps)
+    steps = steps_of(found, unseen)
+    order = most_telling_first(best.hypothesis.added, steps)
     added = tuple(dict.fromkeys(best.hypothesis.added[name].effect for name in order))
     told = parameters(best, errors)
     better = native_as_given(restored(best.hypothesis.model(), read.awake), given)
@@ -361,41 +341,3 @@ def _left(recordings: Sequence[Recording], model: Model, noise: NoiseFloor) -> t
         return overall_errors(recordings, model, noise)
     except InputError:
         return "", {}
-
-
-def _steps(found: Search, unseen: Unseen) -> tuple[Step, ...]:
-    steps = []
-    for k, turn in enumerate(found.taken):
-        tried = tuple(_tried(turn))
-        new = [n for n in turn.after.hypothesis.added if n not in turn.before.hypothesis.added]
-        gone = [n for n in turn.before.hypothesis.added if n not in turn.after.hypothesis.added]
-        for action, names, owner in (("add", new, turn.after), ("remove", gone, turn.before)):
-            for name in names:
-                step = Step(
-                    effect=owner.hypothesis.added[name].effect,
-                    instance=name,
-                    action=action,
-                    rmse_before=unseen.rmse[k],
-                    rmse_after=unseen.rmse[k + 1],
-                    unit=unseen.unit,
-                    output_before=unseen.output[k] if unseen.output else None,
-                    output_after=unseen.output[k + 1] if unseen.output else None,
-                    error_removed=unseen.credit(k),
-                    reason="largest gain" if action == "add" else turn.reason,
-                    tried=tried,
-                )
-                steps.append(step)
-    return tuple(steps)
-
-
-def _most_telling_first(names: Iterable[str], steps: Sequence[Step]) -> tuple[str, ...]:
-    """Names of effects, the one whose step removed most of the error power first."""
-    power = {s.instance: s.rmse_before**2 - s.rmse_after**2 for s in steps if s.action == "add"}
-    return tuple(sorted(names, key=lambda name: -power.get(name, 0.0)))
-
-
-def _tried(turn: Round) -> list[dict[str, object]]:
-    return [
-        {"names": list(trial.names), "gain": trial.gain, "unique": trial.unique, "misfit": trial.fit.misfit}
-        for trial in turn.tried[:6]
-    ]

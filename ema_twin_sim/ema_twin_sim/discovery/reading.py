@@ -41,7 +41,7 @@ class Reading:
     awake: Model  # the same with them
     problem: EquationErrorProblem
     null: Hypothesis
-    doubts: tuple[str, ...]  # about signs of the recordings
+    doubts: tuple[str, ...]  # what may be wrong with them: questions
 
 
 def read_with_one_zero(recordings: Sequence[Recording], given: Model) -> Reading:

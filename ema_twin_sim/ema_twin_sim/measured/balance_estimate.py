@@ -73,10 +73,14 @@ def _rows(recording: Recording, model: Model, own_time: float | None) -> tuple[n
     widest = max(NEGLIGIBLE * recording.duration, LEAST_WIDTH * period)
     width = max(min(width, widest), LEAST_WIDTH * period)
     signals = _even(recording)
-    best = _smoothed(signals, model, period, width)
+    if "speed" in signals:
+        reading = noise_of_readings(signals["speed"])
+    else:
+        reading = noise_of_held(counter_noise(model, "motor"), signals["motor_position"])
+    best = _smoothed(signals, model, period, width, reading)
     while best[-1] > SMALL and width < widest:
         width = min(WIDER * width, widest)
-        best = min(best, _smoothed(signals, model, period, width), key=lambda one: one[-1])
+        best = min(best, _smoothed(signals, model, period, width, reading), key=lambda one: one[-1])
     columns, drive, _ = best
     return columns, drive
 
@@ -93,11 +97,12 @@ def _even(recording: Recording) -> dict[str, np.ndarray]:
 
 
 def _smoothed(
-    signals: dict[str, np.ndarray], model: Model, period: float, width: float
+    signals: dict[str, np.ndarray], model: Model, period: float, width: float, reading: float
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """(columns (m, k), torque (m,), rms noise of the acceleration over its rms) through a kernel of this ``width`` [s].
 
-    The share is infinite where nothing moves.
+    ``reading`` is the noise of a sample of the speed [rad/s], or of the position [rad] if no speed was measured. The
+    share is infinite where nothing moves.
     """
     plain, slope, bend = (gaussian(width, period, order) for order in (0, 1, 2))
     count, half = len(signals["motor_position"]), max(map(len, (plain, slope, bend))) // 2
@@ -110,11 +115,10 @@ def _smoothed(
 
     position = through(plain, "motor_position")
     if "speed" in signals:
-        differentiator, reading = slope, noise_of_readings(signals["speed"])
-        speed, acceleration = through(plain, "speed"), through(slope, "speed")
+        differentiator = slope
+        speed, acceleration = through(plain, "speed"), through(differentiator, "speed")
     else:
         differentiator = bend
-        reading = noise_of_held(counter_noise(model, "motor"), signals["motor_position"])
         speed, acceleration = through(slope, "motor_position"), through(differentiator, "motor_position")
     drive = model.value("machine.torque_constant") * through(plain, "current")
     if "load_torque" in signals:  # a measured load opposes positive motion

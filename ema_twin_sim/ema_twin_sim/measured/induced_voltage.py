@@ -28,8 +28,7 @@ def impossible_voltage(recording: Recording, model: Model) -> float | None:
     """The voltage [V] that the model's torque constant would induce at the recorded speed, if it is far beyond ``BUS``.
 
     None if it is not, and where no torque constant is known or none counts: it is open or assumed, or a torque was
-    recorded.
-    Recording and model are in the machine's own units.
+    recorded. Recording and model are in the machine's own units.
     """
     constant = model.constants[TORQUE_CONSTANT]
     unknown = constant.source == ABSENT or is_assumed(constant.source) or math.isinf(constant.tolerance)

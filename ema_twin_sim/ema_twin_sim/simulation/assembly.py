@@ -18,8 +18,8 @@ from ..model.own_units import shown
 from ..plant.layout import ANGLE_ERRORS, DRY_LEVEL, ENCODER_MEMORY, PLANT, Effects
 from ..plant.operating_point import PARAMETER_SLOTS, compile_effect
 from .fidelity import FineParts, fine_parts
-from .idle_controller import control_cycle
 from .lumped_train import lump_train
+from .unknown_controller import control_cycle
 
 _SAME_NAME = (
     "machine.gear_ratio",

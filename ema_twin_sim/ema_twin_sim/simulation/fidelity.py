@@ -31,7 +31,7 @@ from ..plant.planetary.mesh_table import mean_stiffness, mesh_table
 from ..plant.planetary.phases import mesh_phases, opposite_flank
 from ..plant.switching.current_reference import phase_amplitude
 from ..plant.switching.layout import WINDING, resting
-from .idle_controller import stepped_cycle
+from .unknown_controller import stepped_cycle
 
 TANGENTIAL_RATIO = 0.8
 """Tangential over normal stiffness of a contact: 2 (1 - nu) / (2 - nu) with Poisson's ratio nu (Mindlin 1949)."""

@@ -11,7 +11,7 @@ from ema_bench_replay.errors import InputError
 from ..model import Model
 from .assembly import Assembly, assemble
 from .fidelity import CYCLE_SHARE, DEFAULT_STEP, FineParts, is_fine
-from .idle_controller import stepped_cycle, without_controller
+from .unknown_controller import stepped_cycle, without_controller
 
 COARSE = 2.0
 """Times the default step, where only differences matter. Of 36 recordings of six ``bench_cases`` it changes the current

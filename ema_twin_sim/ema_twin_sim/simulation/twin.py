@@ -41,10 +41,10 @@ from .assembly import Assembly, assemble
 from .divergence import States, looks_lost, refuse_divergence, states_of
 from .driving_flank import begin_behind_measured_motion, lead
 from .fidelity import DEFAULT_STEP, kept, own_step, resting_state, restored, set_in_motion, usual_step, with_parts
-from .idle_controller import control_cycle, without_controller
 from .inside import Energies, Wheels, energies, wheels
 from .longest_step import SAFE, longest_step, refuse_long_step
 from .switchable import switchable as with_all_effects
+from .unknown_controller import control_cycle, without_controller
 
 __all__ = ["DEFAULT_STEP", "ParameterDescription", "Twin"]
 

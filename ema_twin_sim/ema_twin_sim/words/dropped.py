@@ -9,7 +9,7 @@ from ..listing import listed
 from .sentences import effect_words
 
 if TYPE_CHECKING:
-    from ..discovery.discover import Step
+    from ..discovery.steps import Step
 
 _FEW = 2  # dropped effects that keep their rows
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ema_bench_replay.errors import InputError
 
 from ..discovery.diagnose import Ranked
-from ..discovery.discover import Step
+from ..discovery.steps import Step
 from .origin import Origin, read_origin
 
 if TYPE_CHECKING:

@@ -14,7 +14,8 @@ from ..quantities import MOST_TIMES, limited_factor, quantity
 
 if TYPE_CHECKING:
     from ..comparison.running_comparison import SignalError
-    from ..discovery.discover import Discovery, Step
+    from ..discovery.discover import Discovery
+    from ..discovery.steps import Step
     from ..discovery.unseen import Unseen
     from ..model import Model
     from .findings import Findings, UnseenErrors

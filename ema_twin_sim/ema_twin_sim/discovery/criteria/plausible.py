@@ -66,7 +66,7 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
       noise is left there.
     * Effects that show only in constants off their file are exempt: how far these were off was the effect's gain. So
       are effects that every machine has, in the presence of a generic basis, which fits anything.
-    * With known constants no factor may end on a bound of what is possible: it wants to be more than any machine has.
+    * With known constants no factor may end on a bound of what is possible: the data ask for more than any machine has.
     * With open constants no shape may end on its bound, no share may be one that its effect's file calls impossible
       for any machine, an effect over a shaft angle must show away from standstill, and no friction may take the place
       of the machine's dry friction.

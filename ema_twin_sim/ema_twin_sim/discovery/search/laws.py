@@ -6,6 +6,8 @@ wrong form leaves a remainder, for which a search would take further effects.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ...criteria import DEPENDS
 from ...effects import Effect, catalogue
 from ...identification.fit import Fit, fit, fits
@@ -24,7 +26,7 @@ def with_best_laws(f: Fit) -> Fit:
     """
     for name, held in f.hypothesis.added.items():
         effect = catalogue()[held.effect]
-        for _ in effect.options[effect.law] if effect.law else ():  # no more often than there are laws
+        for _ in _laws(effect):  # no more often than there are laws
             better = _under_a_better_law(f, name, effect)
             if better is None:
                 break
@@ -48,9 +50,14 @@ def _under_other_laws(f: Fit, name: str, effect: Effect) -> list[Hypothesis]:
     bare = f.hypothesis.without(name)
     return [
         bare.with_effect(effect.id, {**instance.options, effect.law: law}, instance.parameters)
-        for law in (effect.options[effect.law] if effect.law else ())
+        for law in _laws(effect)
         if law != instance.options[effect.law]
     ]
+
+
+def _laws(effect: Effect) -> Sequence[str]:
+    """The laws of an effect's equation; none if it has one form."""
+    return effect.options[effect.law] if effect.law else ()
 
 
 def under_best_laws(found: Search) -> Search:

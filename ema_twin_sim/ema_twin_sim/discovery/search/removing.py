@@ -16,7 +16,7 @@ from ..criteria.plausible import insignificant, uncertain
 from ..criteria.worth import ENCODER_ONLY, penalised_gain, standing_on
 from .adding import add_effects, less_each, prune, settle, without_effect
 from .rivals import came_near, swapped
-from .trace import BEATEN, NEEDLESS, SIMPLER, SURER, UNCERTAIN, WANDERS, Round, Search
+from .trace import BEATEN, NEEDLESS, SURER, SWAPS, UNCERTAIN, WANDERS, Round, Search
 
 
 def significant(found: Search) -> Search:
@@ -155,7 +155,8 @@ def less(found: Search, names: Sequence[str], reason: str) -> Search:
 def _before_swap(found: Search, names: Sequence[str]) -> Fit | None:
     """The end before effects of these ``names`` replaced others; None if more has been removed since."""
     last = next((turn for turn in reversed(found.changes) if turn.reason != NEEDLESS), None)
-    if last is None or last.reason not in (BEATEN, SIMPLER) or not {*names} <= {*last.added}:
+    # what a surer effect replaced was too uncertain to come back
+    if last is None or last.reason not in SWAPS - {SURER} or not {*names} <= {*last.added}:
         return None
     if last.before.problem.weighting.wander is found.problem.weighting.wander:
         return last.before

@@ -35,9 +35,6 @@ def stepped_cycle(model: Model) -> float:
 
 
 def _repeats(model: Model) -> bool:
-    """Whether a torque of the model repeats with an angle, more than once per turn of the output."""
-    effects = [catalogue()[instance.effect] for instance in model.active.values()]
-    return any(
-        effect.depends_on not in ("encoders", "output_position") and any(p.periodic for p in effect.parameters)
-        for effect in effects
-    )
+    """Whether a torque of the model repeats with an angle, by an order: gravity does once per turn of the output."""
+    over = [(catalogue()[held.effect].depends_on, "order" in held.options) for held in model.active.values()]
+    return any(quantity == "order" or (by_order and quantity != "encoders") for quantity, by_order in over)
