@@ -141,7 +141,9 @@ def in_unit(guess: Guess) -> str:
 
     if guess.unit == COUNTS:
         return f", {guess.counts:g} counts per turn" if guess.counts else ", counts per turn unknown"
-    return f" in {guess.unit}" if guess.unit else ", unit unknown"
+    if guess.unit is None:
+        return ", unit unknown"
+    return f" in {guess.unit}" if guess.factor == 1.0 else f" in steps of {guess.factor:.4g} {guess.unit}"
 
 
 def say_next(

@@ -56,6 +56,7 @@ class Guess:
     shaft_doubt: str = ""  # what to check, if the shaft was not in the name
     origin_doubt: str = ""  # what to check, if it may be of another part of the machine than the signals beside it
     turned_round: bool = False  # whether its sign is reversed
+    factor: float = 1.0  # how many of its units one in the column is
     magnitude: bool = False  # whether it has no sign
     command: bool = False  # whether it is a command in place of a measurement
     wraps_after: float | None = None  # after how many of its units it starts again; None: after one turn, or never

@@ -60,7 +60,8 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
         of_shaft = shaft.doubt if of_position else guess.shaft_doubt
         return check_comment("; ".join(filter(None, (at, of_shaft, guess.origin_doubt))))
 
-    turned = ", factor: -1" if guess.turned_round else ""
+    factor = -guess.factor if guess.turned_round else guess.factor
+    turned = "" if factor == 1.0 else f", factor: {factor:.6g}"
     magnitude = ", magnitude: true" if guess.magnitude else ""
     wraps = f", wraps_after: {_period(guess, motion)}" if guess.wraps_after else ""
     jumps = f"its jumps are those of a position that starts again after {wrapped_after(guess)}" if wraps else ""

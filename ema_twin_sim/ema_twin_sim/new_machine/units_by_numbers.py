@@ -21,6 +21,7 @@ from ..measured.usual_sizes import USUAL
 from ..measured.way_by_speed import steady_factor
 from .columns import Guess, Guesses
 from .products import with_products_units
+from .servo_steps import in_steps_of, servo_of
 from .steps import is_decimal, smallest_step
 from .time_unit import time_unit as unit_of_clock
 from .time_unit import unit_of_size
@@ -54,6 +55,10 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
         gear_ratio = abs(ratio) if ratio is not None else None
     if position is not None and speed is not None:
         ways = _ways(numbers[position.column], numbers[speed.column], seconds)
+        if servo := servo_of(position, speed, numbers, ways):
+            guesses = in_steps_of(servo, guesses, numbers)
+            known = {guess.signal: guess for guess in guesses.signals}
+            position, speed = known["motor_position"], known["speed"]
         if position.unit is None and speed.unit is None and ways is not None and abs(abs(ways) - 1.0) < NEGLIGIBLE:
             position, speed = _alike(position, speed, numbers)
             known |= {"motor_position": position, "speed": speed}
@@ -80,7 +85,7 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
         values = [numbers[asked.column], numbers[measured.column]]
         scale = _steady(*(_differences(*values) if setpoint == "output_command" else values))
         if scale is not None and abs(scale - 1.0) < PART:
-            changed[setpoint] = replace(asked, unit=measured.unit)
+            changed[setpoint] = replace(asked, unit=measured.unit, factor=measured.factor)
     signals = tuple(changed.get(guess.signal, guess) for guess in guesses.signals)
     lost = {
         guess.column for guess in signals if guess.signal == "output_command" and not _commands(guess, signals, numbers)
@@ -168,13 +173,13 @@ def _by_way(position: Guess, speed: Guess, ways: float | None, gear_ratio: float
         return []
     shafts = (1.0,) if gear_ratio is None else (1.0, 1.0 / gear_ratio, gear_ratio)
     if speed.unit is not None and _open(position):
-        one = units_of("speed")[speed.unit] / abs(ways)  # rad per unit of the position's column
+        one = units_of("speed")[speed.unit] * speed.factor / abs(ways)  # rad per unit of the position's column
         for shaft in shafts:
             if told := _position_told(position, one * shaft):
                 return [told, replace(speed, of_output=speed.of_output or shaft > 1.0)]
         return [_unusual(position, one)] if position.unit == COUNTS else []
     if speed.unit is not None:
-        times = abs(ways) * _radians(position) / units_of("speed")[speed.unit]
+        times = abs(ways) * _radians(position) / (units_of("speed")[speed.unit] * speed.factor)
         if abs(times - 1.0) < NEGLIGIBLE:
             return [replace(speed, of_output=position.of_output)]
         if gear_ratio is not None and abs(times / gear_ratio - 1.0) < NEGLIGIBLE:
