@@ -49,6 +49,22 @@ def test_other_names_or_another_motion_are_of_no_such_servo(of_another):
     assert all(guess.factor == 1.0 for guess in guessed(logged(**of_another)).values())
 
 
+@pytest.mark.parametrize("size", [1.0, 8.0])
+def test_whole_numbers_without_a_unit_are_asked_about(size, tmp_path, capsys):
+    """Without a speed nothing tells what a step is; as radians they would be an encoder of six counts, or fewer."""
+    steps = size * np.rint(ANGLE * 4096 / (2.0 * np.pi * size))
+    trace = write_columns(tmp_path / "m.csv", {"time [s]": TIME, "position": steps, "current [A]": CURRENT})
+    init(str(tmp_path / "m"), [trace])
+    said = " ".join(capsys.readouterr().err.split())
+    assert f"motor_position goes in steps of {size:g} rad" in said and "counts_per_revolution" in said
+
+
+def test_whole_numbers_with_a_unit_are_not_asked_about(tmp_path, capsys):
+    columns = {"time [s]": TIME, "position [deg]": np.rint(np.degrees(ANGLE)), "current [A]": CURRENT}
+    init(str(tmp_path / "m"), [write_columns(tmp_path / "m.csv", columns)])
+    assert "counts_per_revolution" not in capsys.readouterr().err
+
+
 def test_decimals_are_no_steps():
     columns = logged()
     found = guessed({**columns, "present_position": columns["present_position"] + 0.25})

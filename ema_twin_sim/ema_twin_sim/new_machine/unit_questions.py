@@ -13,6 +13,7 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 from ema_bench_replay.units import units_of
 
+from ..criteria import NEGLIGIBLE
 from ..measured.usual_sizes import unusual_sizes
 from .steps import is_decimal, smallest_step
 from .usual_counts import usual_counts
@@ -21,8 +22,24 @@ from .usual_counts import usual_counts
 def questions_about_units(recording: Recording, units: Mapping[str, str | None]) -> Iterator[str]:
     """Questions about a recording's units, in words; ``units`` are those of its columns (None: not known)."""
     yield from unusual_sizes(recording)
-    if recording.motion == "rotary" and not recording.has("speed"):  # with a speed, the distance shows it
+    if recording.motion != "rotary":
+        return
+    yield from _by_whole_numbers(recording, units)
+    if not recording.has("speed"):  # with a speed, the distance shows it
         yield from _by_counts(recording, units)
+
+
+def _by_whole_numbers(recording: Recording, units: Mapping[str, str | None]) -> Iterator[str]:
+    """A question if a position without a unit is read in steps of a radian or more, which no encoder has."""
+    for signal in ("motor_position", "output_position"):
+        if not recording.has(signal) or units.get(signal) is not None:
+            continue
+        step = smallest_step(recording.signals[signal][np.isfinite(recording.signals[signal])])
+        if step is not None and step >= 1.0 - NEGLIGIBLE:
+            yield (
+                f"{recording.name}: {signal} goes in steps of {step:.3g} rad, and no unit is given; does its column "
+                f"count an encoder's steps? Then add [counts] to its name, or give `counts_per_revolution` in the map"
+            )
 
 
 def _by_counts(recording: Recording, units: Mapping[str, str | None]) -> Iterator[str]:
