@@ -13,15 +13,16 @@ _POSITION = {"rad": 1.0, "deg": math.pi / 180.0, "rev": 2.0 * math.pi, "mrad": 1
              "arcmin": math.pi / 10800.0, "arcsec": math.pi / 648000.0}  # fmt: skip
 _SPEED = {"rad/s": 1.0, "deg/s": math.pi / 180.0, "rpm": 2.0 * math.pi / 60.0, "rev/s": 2.0 * math.pi, "mrad/s": 1e-3,
           "mdeg/s": 1e-3 * math.pi / 180.0, "krpm": 2000.0 * math.pi / 60.0}  # fmt: skip
-_INCH, _FOOT, _POUND = 0.0254, 0.3048, 4.4482216152605
-"""m, m, and N: exact by definition."""
+_INCH, _FOOT, _POUND, _KILOGRAM = 0.0254, 0.3048, 4.4482216152605, 9.80665
+"""m, m, and N (the weight of a pound and a kilogram): exact by definition."""
 _TORQUE = {"N m": 1.0, "mN m": 1e-3, "uN m": 1e-6, "N cm": 1e-2, "N mm": 1e-3, "kN m": 1e3, "lbf in": _POUND * _INCH,
-           "lbf ft": _POUND * _FOOT, "ozf in": _POUND / 16.0 * _INCH, "kgf m": 9.80665, "kgf cm": 9.80665e-2,
-           "gf cm": 9.80665e-5}  # fmt: skip
+           "lbf ft": _POUND * _FOOT, "ozf in": _POUND / 16.0 * _INCH, "kgf m": _KILOGRAM,
+           "kgf cm": 1e-2 * _KILOGRAM, "gf cm": 1e-5 * _KILOGRAM}  # fmt: skip
 _LENGTH = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "µm": 1e-6, "in": _INCH, "ft": _FOOT}
 _VELOCITY = {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "m/min": 1.0 / 60.0, "in/s": _INCH, "in/min": _INCH / 60.0,
              "ft/s": _FOOT, "ft/min": _FOOT / 60.0}  # fmt: skip
-_FORCE = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": _POUND, "ozf": _POUND / 16.0, "kip": 1e3 * _POUND}
+_FORCE = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": _POUND, "ozf": _POUND / 16.0, "kip": 1e3 * _POUND,
+          "kgf": _KILOGRAM, "gf": 1e-3 * _KILOGRAM}  # fmt: skip
 _CURRENT = {"A": 1.0, "mA": 1e-3, "uA": 1e-6}
 _VOLTAGE = {"V": 1.0, "mV": 1e-3}
 _TEMPERATURE = {"degC": 1.0}

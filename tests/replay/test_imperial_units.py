@@ -1,4 +1,4 @@
-"""Inches, feet, pounds, ounces and kips: in headers, in rows of units and in import maps, with their exact factors."""
+"""Inches, feet, pounds, ounces, kips and the weight of a kilogram: in headers, in rows of units and in import maps, with their exact factors."""
 
 import numpy as np
 import pytest
@@ -21,6 +21,8 @@ from ema_bench_replay.units import ALL_UNITS
         ("lbf", 4.4482216152605),
         ("ozf", 0.27801385095378125),
         ("kip", 4448.2216152605),
+        ("kgf", 9.80665),
+        ("gf", 0.00980665),
         ("lbf in", 0.1129848290276167),
         ("lbf ft", 1.3558179483314004),
         ("ozf in", 0.00706155181422604375),
@@ -44,6 +46,8 @@ def test_factors_are_exact(unit, value):
         ("force in lbf", "lbf"),
         ("force_in_lb", "lbf"),
         ("friction force (kip)", "kip"),
+        ("thrust [kgf]", "kgf"),
+        ("load_gf", "gf"),
         ("Torque [lb-in]", "lbf in"),
         ("Torque (in-lb)", "lbf in"),
         ("Torque in lb", "lbf in"),

@@ -96,6 +96,8 @@ _SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
     "lbf": ("torque", _POUNDS),
     "ozf": ("torque", _OUNCES),
     "kip": ("torque", ("kip", "kips", "klbf")),
+    "kgf": ("torque", ("kgf", "kgsf", "kilogram-force")),
+    "gf": ("torque", ("gf", "gram-force")),
     "A": ("current", ("a", "amp", "amps", "ampere", "amperes", "arms", "aeff", "a rms", "a eff", "a peak", "apk")),
     "uA": ("current", ("ua", "µa")),
     "mA": ("current", ("ma", "milliamp", "milliamps", "marms")),
