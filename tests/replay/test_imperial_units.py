@@ -1,4 +1,4 @@
-"""Inches, feet, pounds, ounces, kips and the weight of a kilogram: in headers, in rows of units and in import maps, with their exact factors."""
+"""Inches, feet, pounds, ounces, kips, kgf: in headers, rows of units and import maps, with their exact factors."""
 
 import numpy as np
 import pytest
