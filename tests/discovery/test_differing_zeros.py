@@ -63,7 +63,7 @@ def test_the_angles_between_the_zeros_are_found(motor):
     moved = with_zeros_moved(anew(), as_recorded(anew(), by, motor))
     assert not differing_zeros(fitted(moved, motor))
     (warning,) = of_differing_zeros(by, motor)
-    assert all(f"rad for {name}" in warning for name in by) and "add to the positions" in warning
+    assert all(f"rad for {name}" in warning for name in by) and "moved the zeros to one" in warning
 
 
 def test_nothing_is_moved_where_the_zeros_agree_or_nothing_repeats(motor):

@@ -38,7 +38,7 @@ def run(
     from ..own_effects import load_effects
     from ..words.open_values import open_values_sentence
     from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, with_noise_told, write_json
-    from .judged import warn_of
+    from .judged import warn_of, with_one_zero
     from .rerun_file import check_rrd_name, tell_of_rrd, write_rrd
 
     refuse_inputs(input_files(runs, model, import_map, with_files), json, rrd)
@@ -47,6 +47,7 @@ def run(
     load_effects(with_files or ())
     models = [load_model(name) for name in model]
     recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
+    recordings = with_one_zero(recordings, models)
     models = [with_noise_told(recordings, given) for given in models]
     with counted(len(models) * len(recordings), "comparing") as done:
         comparisons = compare_all(

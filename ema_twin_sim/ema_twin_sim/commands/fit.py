@@ -70,10 +70,12 @@ def run(
 
     from ..fitting.fit import fit_model
     from ..own_effects import load_effects
+    from .judged import with_one_zero
 
     load_effects(with_files or ())
     before = load_model(model)
     recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
+    recordings = with_one_zero(recordings, [before])
     before = with_noise_told(recordings, before)
     with status() as progress:
         found = fit_model(

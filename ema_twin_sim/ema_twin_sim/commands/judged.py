@@ -46,7 +46,20 @@ def read_judged(
     excluded = [find_effect(id, "--without").id for id in without or ()]
     before = load_model(model)
     recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
+    recordings = with_one_zero(recordings, [before])
     return Judged(recordings, with_noise_told(recordings, before), excluded)
+
+
+def with_one_zero(recordings: list[Recording], models: Sequence[Model]) -> list[Recording]:
+    """The recordings, their positions' zeros where the first model with a torque at an angle has it; tells of it."""
+    from ..discovery.zeros_by_model import with_the_models_zeros
+
+    for model in models:
+        moved, told = with_the_models_zeros(recordings, model)
+        if told:
+            warn_of(told, recordings)
+            return moved
+    return recordings
 
 
 def write_evidence_bag(found: Discovery, recordings: Sequence[Recording], file: Path, *, force: bool) -> None:

@@ -85,6 +85,7 @@ def run(
     from ..words.fit_findings import read_fit_findings
     from ..words.origin import refuse_foreign
     from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, with_noise_told
+    from .judged import with_one_zero
 
     if len(model) not in (2, 3):
         raise InputError(
@@ -101,9 +102,13 @@ def run(
     models = [load_model(name) for name in model]
     if len(models) > 2:
         check_same_effects(models[1], models[2], (model[1], model[2]))
-    recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
+    recordings = with_one_zero(
+        load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2), models
+    )
     models = [with_noise_told(recordings, given) for given in models]
-    apart = load_runs(held_out, import_map=import_map, strict=strict, least=2) if held_out else []
+    apart = (
+        with_one_zero(load_runs(held_out, import_map=import_map, strict=strict, least=2), models) if held_out else []
+    )
 
     names = [recording.name for recording in recordings]
     fitting = read_fit_findings(fit) if fit else None

@@ -18,6 +18,7 @@ from ema_bench_replay.recording import AT, Recording
 from ..comparison.orders import FEWEST_CYCLES, FEWEST_SAMPLES, ORDERS
 from ..criteria import CORRELATION, DEPENDS, NEGLIGIBLE, SMALL
 from ..effects import catalogue
+from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
 from ..listing import listed
 from ..measured.order_spectrum import largest_in_cells, refined
@@ -33,7 +34,7 @@ FINER = 20  # angles tried within a cycle of the highest of them
 
 
 @dataclass(frozen=True, eq=False)
-class _Line:
+class Line:
     """One order, with the wave (R,) [complex, in units of noise] of each recording at it, and its rows (R,).
 
     Both are zero for a recording in which it does not repeat.
@@ -55,22 +56,26 @@ def differing_zeros(f: Fit) -> dict[str, float]:
         return {}
     if any(acts_at_an_angle(catalogue()[instance.effect]) for instance in base.active.values()):
         return {}
-    parts, names = [], []
-    for o, rows in zip(problem.observations, problem.torque_parts, strict=True):
-        if not o.of_points and len(o.rows) >= FEWEST_SAMPLES:
-            left = f.residual[rows]
-            parts.append((left - left.mean(), o.motor_origin + o.motion[o.rows, MOTOR_ANGLE]))
-            names.append(o.name)
+    parts = over_the_angle(problem, f.residual)
+    names = list(parts)
     if len(parts) < 2:
         return {}
-    lines, noise = _lines(parts)
+    lines, noise = lines_of([*parts.values()])
     if not lines:
         return {}
-    most = 2.0 * math.pi / min(line.order for line in lines)  # a cycle of the longest wave
-    shifts = _shifts(lines, noise, most if is_linear(base) else max(most, math.pi))
+    shifts = _shifts(lines, noise, tried_shifts([line.order for line in lines], linear=is_linear(base)))
     if not _clearly_better(lines, noise, shifts):
         return {}
     return {name: float(shift) for name, shift in zip(names, shifts, strict=True) if shift}
+
+
+def over_the_angle(problem: EquationErrorProblem, values: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """By recording: the part of ``values`` (m,) that is its own, about its mean, and the motor's angle [rad] there."""
+    return {
+        o.name: (values[rows] - values[rows].mean(), o.motor_origin + o.motion[o.rows, MOTOR_ANGLE])
+        for o, rows in zip(problem.observations, problem.torque_parts, strict=True)
+        if not o.of_points and len(o.rows) >= FEWEST_SAMPLES
+    }
 
 
 def as_recorded(recordings: Sequence[Recording], by: Mapping[str, float], model: Model) -> dict[str, float]:
@@ -103,17 +108,17 @@ def of_differing_zeros(by: Mapping[str, float], model: Model) -> tuple[str, ...]
     each = listed(f"{quantity(way, unit)} for {name}" for name, way in by.items())
     return (
         "the zero of the position differs between recordings: what repeats along it begins elsewhere. discover moved "
-        f"the zeros to one; before you compare, add to the positions {each}",
+        f"the zeros to one, as compare, fit and report do with the new model: by {each}",
     )
 
 
-def _lines(parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[list[_Line], np.ndarray]:
+def lines_of(parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[list[Line], np.ndarray]:
     """The lines of the order spectrum, strongest first, and the variance (R,) of what they leave.
 
     ``parts`` are the residual (m,), in units of noise, and the motor's angle (m,) [rad] of each recording.
     """
     parts = list(parts)
-    lines: list[_Line] = []
+    lines: list[Line] = []
     for _ in range(LINES):
         power = np.sum([largest_in_cells(ORDERS, *part, FEWEST_CYCLES) for part in parts], axis=0)
         strongest = int(np.argmax(power))
@@ -124,17 +129,53 @@ def _lines(parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[list[_Line],
         order = refined(float(ORDERS[strongest]), float(STEP), parts)
         waves, rows = np.zeros(len(parts), complex), np.zeros(len(parts))
         for k, (values, angle) in enumerate(parts):
-            if order * float(np.ptp(angle)) < 2.0 * math.pi * FEWEST_CYCLES:
-                continue
-            columns = np.column_stack([np.cos(order * angle), np.sin(order * angle), np.ones(len(angle))])
-            found = np.linalg.lstsq(columns, values, rcond=None)[0]
-            waves[k] = complex(found[0], -found[1])  # of the exponential of order * angle
-            parts[k], rows[k] = (values - columns @ found, angle), len(values)
-        lines.append(_Line(order, waves, rows))
+            if order * float(np.ptp(angle)) >= 2.0 * math.pi * FEWEST_CYCLES:
+                waves[k], left = wave_at(order, values, angle)
+                parts[k], rows[k] = (left, angle), len(values)
+        lines.append(Line(order, waves, rows))
     return lines, np.array([float(values.var()) for values, _ in parts])
 
 
-def _shifts(lines: Sequence[_Line], noise: np.ndarray, most: float) -> np.ndarray:
+def wave_at(order: float, values: np.ndarray, angle: np.ndarray) -> tuple[complex, np.ndarray]:
+    """The wave of ``values`` (m,) at an order over the ``angle`` (m,) [rad], and what it leaves of them (m,)."""
+    columns = np.column_stack([np.cos(order * angle), np.sin(order * angle), np.ones(len(angle))])
+    found = np.linalg.lstsq(columns, values, rcond=None)[0]
+    return complex(found[0], -found[1]), values - columns @ found  # of the exponential of order * angle
+
+
+def tried_shifts(orders: Sequence[float], *, linear: bool) -> np.ndarray:
+    """The shifts (n,) [rad] that are tried where waves of these ``orders`` repeat, the smallest first.
+
+    Up to a cycle of the longest wave, on a rotary machine up to half a turn: no zero is farther off.
+    """
+    longest = 2.0 * math.pi / min(orders)
+    most = longest if linear else max(longest, math.pi)
+    half = math.ceil(FINER * most * max(orders) / (2.0 * math.pi))
+    tried = most * np.arange(-half, half + 1) / half
+    return tried[np.argsort(np.abs(tried), kind="stable")]
+
+
+def best_shift(tried: np.ndarray, score: np.ndarray, highest: float) -> float:
+    """The shift [rad] of the largest ``score`` (n,) [units of noise]; of equals the smallest, and 0 if nearly equal.
+
+    ``tried`` (n,) are the shifts, none first; ``highest`` is the order of the shortest wave.
+    """
+    most, chance = float(score.max()), DEPENDS * CORRELATION
+    if score[0] >= most - max(chance, NEGLIGIBLE * most):
+        return 0.0
+    # between two cycles of the longest wave only the shorter, slighter ones decide
+    best = tried[int(np.argmax(score >= most - max(chance, NEGLIGIBLE * SMALL * most)))]
+    hill = np.flatnonzero(np.abs(tried - best) < math.pi / highest)  # the one whose flank that is
+    hill = hill[np.argsort(tried[hill])]
+    top = int(np.argmax(score[hill]))
+    if not 0 < top < len(hill) - 1:
+        return float(tried[hill[top]])
+    before, at, after = score[hill[top - 1 : top + 2]]
+    step = tried[hill[top]] - tried[hill[top - 1]]
+    return float(tried[hill[top]] + 0.5 * step * (before - after) / (before - 2.0 * at + after))  # of the parabola
+
+
+def _shifts(lines: Sequence[Line], noise: np.ndarray, tried: np.ndarray) -> np.ndarray:
     """The shift (R,) [rad] of each recording at which its waves begin where those of the others do; 0 where unsure.
 
     Recordings are taken one after the other, the clearest first; each is compared with all before it. The smallest of
@@ -143,9 +184,6 @@ def _shifts(lines: Sequence[_Line], noise: np.ndarray, most: float) -> np.ndarra
     clear = np.sum([line.rows * np.abs(line.waves) ** 2 for line in lines], axis=0) / noise
     order = np.argsort(-clear)
     highest = max(line.order for line in lines)
-    half = math.ceil(FINER * most * highest / (2.0 * math.pi))
-    tried = most * np.arange(-half, half + 1) / half
-    tried = tried[np.argsort(np.abs(tried), kind="stable")]
     shifts = np.zeros(len(noise))
     sums = [line.rows[order[0]] * line.waves[order[0]] for line in lines]
     held = [max(line.rows[order[0]], 1.0) for line in lines]
@@ -157,19 +195,14 @@ def _shifts(lines: Sequence[_Line], noise: np.ndarray, most: float) -> np.ndarra
         for line, total, rows in zip(lines, sums, held, strict=True):
             turned = line.waves[k] * np.conj(total / rows) * np.exp(-1j * line.order * tried)
             score += line.rows[k] / noise[k] * np.real(turned)
-        least = score.max() - max(DEPENDS * CORRELATION, NEGLIGIBLE * score.max())
-        best = tried[int(np.argmax(score >= least))]
-        if best:  # the top of the hill whose flank that is
-            hill = np.abs(tried - best) < math.pi / highest
-            best = tried[hill][int(np.argmax(score[hill]))]
-        shifts[k] = best
+        shifts[k] = best = best_shift(tried, score, highest)
         for j, line in enumerate(lines):
             sums[j] += line.rows[k] * line.waves[k] * np.exp(-1j * line.order * best)
             held[j] += line.rows[k]
     return shifts
 
 
-def _clearly_better(lines: Sequence[_Line], noise: np.ndarray, shifts: np.ndarray) -> bool:
+def _clearly_better(lines: Sequence[Line], noise: np.ndarray, shifts: np.ndarray) -> bool:
     """Whether common waves explain much more with the ``shifts`` (R,) [rad] than without, chance left aside."""
 
     def explained(by: np.ndarray) -> float:

@@ -1,0 +1,69 @@
+"""A model that holds what repeats along the motor's angle tells where the zero of each further recording is."""
+
+from dataclasses import replace
+
+import pytest
+
+from ema_twin_sim.commands.judged import with_one_zero
+from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.discovery.zeros_by_model import with_the_models_zeros, zeros_by_model
+from tests.discovery.test_differing_zeros import (
+    DRY,
+    INERTIA,
+    NOISE,
+    PERIOD,
+    VISCOUS,
+    WAVES,
+    ZEROS,
+    anew,
+    turning,
+)
+from tests.open_motor import open_motor
+
+
+@pytest.fixture(scope="module")
+def cogging():
+    """The motor of these recordings, all of its numbers known."""
+    motor = open_motor(1.0, NOISE, PERIOD, speed_noise=1e-3)
+    motor = motor.without_effect("viscous_friction").with_effect("viscous_friction", {"coefficient": VISCOUS})
+    motor = motor.with_value("machine.motor_inertia", INERTIA).with_value("effects.coulomb_friction.torque", DRY)
+    for order, torque, phase in WAVES:
+        motor = motor.with_effect("cogging", {"torque": torque, "phase": phase}, {"order": str(order)})
+    return motor
+
+
+def test_each_zero_is_found_by_the_models_waves(cogging):
+    by = zeros_by_model(anew(), cogging)
+    assert by == pytest.approx({name: zero for name, zero in ZEROS.items() if zero}, abs=0.01)
+
+
+def test_one_recording_alone_has_a_zero_as_well(cogging):
+    assert zeros_by_model([turning("c", 0.9, 0.1)], cogging) == pytest.approx({"c": 0.9}, abs=0.01)
+
+
+def test_the_error_of_a_comparison_falls_to_the_noise(cogging):
+    moved, (told,) = with_the_models_zeros(anew(), cogging)
+    assert "mrad for c" in told and "rad for d" in told
+    before, after = (compare(given, cogging).overall["unexplained_torque"] for given in (anew(), moved))
+    assert after["rmse"] < 2.0 * after["noise_floor"] < 0.2 * before["rmse"]
+    assert with_the_models_zeros(moved, cogging) == (moved, ())
+
+
+def test_what_the_comparison_does_is_told(cogging, capsys):
+    """The first model in which something repeats tells the zeros for all of them."""
+    plain = open_motor(1.0, NOISE, PERIOD, speed_noise=1e-3)
+    moved = with_one_zero(anew(), [plain, cogging])
+    assert [r.motor_angle_origin for r in moved] == pytest.approx([0.0, 0.0, 0.9, -1.7], abs=0.01)
+    assert "Their zeros are moved by" in " ".join(capsys.readouterr().err.split())
+
+
+def test_nothing_is_moved_where_nothing_tells_a_zero(cogging):
+    plain = open_motor(1.0, NOISE, PERIOD, speed_noise=1e-3)
+    together = dict.fromkeys(ZEROS, 0.0)
+    assert zeros_by_model(anew(), plain) == {}
+    assert zeros_by_model(anew(zeros=together), cogging) == {}
+    assert zeros_by_model(anew(waves=()), cogging) == {}  # the waves of another motor tell nothing of this one
+    assert zeros_by_model([turning("c", 0.9, 0.5, way=0.1)], cogging) == {}  # less than a cycle
+    seen = turning("c", 0.9, 0.1)
+    blind = replace(seen, signals={name: seen.signals[name] for name in ("current", "speed")})
+    assert zeros_by_model([blind], cogging) == {}
