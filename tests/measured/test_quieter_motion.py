@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.measured.quieter_motion import as_measured
@@ -64,6 +65,16 @@ def test_a_speed_of_single_counts_is_left_out_and_said_so(motor):
     assert "swung and 1 more: the speed is too noisy for the acceleration" in found[0].warnings[-1]
     assert not found[1].warnings
     assert [one.warnings for one in as_measured(found, motor)] == [one.warnings for one in found]  # said so once
+
+
+@pytest.mark.parametrize("times", [30.0 / math.pi, math.pi / 180.0, 1e3, -1.0])
+def test_a_speed_in_another_unit_stays_and_is_refused(times, motor):
+    """Left out for its noise, it would hide a wrong unit, or a wrong time, on a machine of unknown inertia."""
+    given = swung()
+    given = replace(given, signals={**given.signals, "speed": times * given.signals["speed"]})
+    assert as_measured([given], motor)[0].has("speed")
+    with pytest.raises(InputError, match=r"speed is .* times what motor_position makes it|motor_position is .* times"):
+        discover([given], motor)
 
 
 @pytest.mark.parametrize("recording", [swung(speed_noise=2e-3), swung(speed_noise=0.0)])

@@ -24,11 +24,12 @@ from .row_noise import smallest_step
 from .smoothed_motion import LEAST_PERIODS
 from .smoothing import gaussian, smooth
 from .spoilt_samples import without_spoilt_motion
-from .way_by_speed import standing_position
+from .way_by_speed import standing_position, way_by_speed
 
 MOST_PERIODS = 5.0
 """Widest kernel, in sample periods, with which the choice is made: wider ones favour the position ever more."""
 AS_QUIET = math.sqrt(1.5)  # a position's second derivative is as quiet as a speed's first at this times s_p / s_v
+PARTS = 40  # of a recording, over which the position's way is compared with the speed's
 STRETCHES, STRETCH = 10, 20_000  # stretches of a long recording that are examined, and samples of each
 
 
@@ -98,6 +99,8 @@ def _noise_and_acceleration(recording: Recording, model: Model) -> tuple[float, 
         return None
     if standing_position(recording) is not None:  # it is quiet, and shows nothing
         return None
+    if not _agree(recording):  # one of them is in another unit, as consistency.py will say
+        return None
     speeds, positions = (list(_stretches(recording.signals[name])) for name in ("speed", "motor_position"))
     speed_noise = float(np.median([max(reading_noise(part), smallest_step(part) / math.sqrt(12.0)) for part in speeds]))
     position_noise = max(counter_noise(model, "motor"), float(np.median([reading_noise(part) for part in positions])))
@@ -109,6 +112,15 @@ def _noise_and_acceleration(recording: Recording, model: Model) -> tuple[float, 
     if not squares:
         return None
     return (speed_noise * float(np.linalg.norm(slope))) ** 2, float(np.mean(squares))
+
+
+def _agree(recording: Recording) -> bool:
+    """Whether the position goes as far as the speed says, or does not show it; in the beginning of a long recording."""
+    most = STRETCHES * STRETCH
+    if len(recording) > most:
+        recording = recording.between(None, float(recording.stamps[most] - recording.stamps[0]) * 1e-9)
+    times = way_by_speed(recording, max(1, len(recording) // PARTS))
+    return times is None or abs(times - 1.0) <= SMALL
 
 
 def _stretches(values: np.ndarray) -> Iterator[np.ndarray]:

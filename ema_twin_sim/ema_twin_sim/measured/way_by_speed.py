@@ -16,11 +16,15 @@ WINDOW = 0.1  # own s over which displacements are compared
 FEWEST = 30  # samples needed
 
 
-def way_by_speed(recording: Recording) -> float | None:
-    """Motor displacement over the displacement that the speed implies; None if that ratio is not steady."""
+def way_by_speed(recording: Recording, lag: int = 0) -> float | None:
+    """Motor displacement over the displacement that the speed implies; None if that ratio is not steady.
+
+    Displacements are taken over ``lag`` samples; 0: over ``WINDOW``, for a recording in own units.
+    """
     if not recording.has("speed", "motor_position"):
         return None
-    lag, position, travelled = lag_of(recording), recording.signals["motor_position"], travelled_by_speed(recording)
+    lag = lag or lag_of(recording)
+    position, travelled = recording.signals["motor_position"], travelled_by_speed(recording)
     return steady_factor(position[lag:] - position[:-lag], travelled[lag:] - travelled[:-lag])
 
 
