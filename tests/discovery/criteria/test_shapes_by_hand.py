@@ -22,6 +22,7 @@ from ema_twin_sim.discovery.criteria.likeness import likenesses
 from ema_twin_sim.discovery.criteria.own_shape import (
     by_own_shape,
     explains_the_torque,
+    imitates,
     is_play,
     only_teeth,
     parts_the_encoders,
@@ -75,8 +76,22 @@ class TestOwnShape:
         monkeypatch.setattr(own_shape, "fit_with_basis", lambda problem, known, name: with_basis[known is f])
         by_noise = SCALE * (2.0 * columns + chance)
         monkeypatch.setattr(own_shape, "gain_on_correlated_noise", lambda *_: by_noise)
-        self.given = given
+        self.given, self.imitates = given, imitates(problem, f, name)
         return by_own_shape(problem, f) == (name,)
+
+    @pytest.mark.parametrize("effect", ["stribeck_friction", "cogging", "mesh_friction", "gravity_load", "spring_load"])
+    def test_it_imitates_another_shape_that_explains_much_more(self, effect, stock, monkeypatch):
+        """In units of what is left, and what the numbers gain by chance left aside."""
+        numbers = 2.0 * (1 + (effect in ("stribeck_friction", "cogging", "gravity_load")))
+        for alone, imitates_it in ((MOSTLY * 1000.0 - numbers + 3.0, False), (MOSTLY * 1000.0 - numbers - 3.0, True)):
+            self.stands(monkeypatch, stock, effect, alone, 1000.0, 1000.0)
+            assert self.imitates == imitates_it
+
+    def test_what_every_machine_has_imitates_nothing(self, stock, monkeypatch):
+        self.stands(monkeypatch, stock.without_effect("viscous_friction"), "viscous_friction", 10.0, 1000.0, 1000.0)
+        assert not self.imitates
+        self.stands(monkeypatch, stock, "gravity_load", 10.0, 1000.0, 1000.0, bases={})
+        assert not self.imitates  # and what has no quantity to depend on
 
     @pytest.mark.parametrize("effect", ["stribeck_friction", "cogging", "mesh_friction", "gravity_load"])
     def test_it_must_explain_nearly_all_that_any_shape_does(self, effect, stock, monkeypatch):

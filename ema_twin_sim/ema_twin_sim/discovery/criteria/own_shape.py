@@ -40,6 +40,25 @@ def by_own_shape(problem: EquationErrorProblem, f: Fit, names: Iterable[str] | N
     return tuple(name for name in (f.hypothesis.added if names is None else names) if _own(problem, f, name))
 
 
+def imitates(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
+    """Whether an added effect explains much less of the torque than another shape over its own quantity does.
+
+    For open constants, which leave a real machine's effects less sure of their shape than known ones do.
+    """
+    effect = catalogue()[f.hypothesis.added[name].effect]
+    bare = fit(problem, f.hypothesis.without(name), 6, known=f)
+    shapes = {} if is_lacked(f.hypothesis, effect.id) else _over(problem, bare, effect.depends_on)
+    beside = problem.with_generic_bases(shapes)
+    best = next((found for _, found in screen_generic_bases(beside, bare)), None) if shapes else None
+    if best is None:
+        return False
+    any_shape = fit_with_basis(beside, bare, best)
+    columns = len(any_shape.hypothesis.free) - len(bare.hypothesis.free)
+    scale = f.variance_inflations[0]
+    explained = (bare.misfits[0] - f.misfits[0]) / scale
+    return explained < MOSTLY * ((bare.misfits[0] - any_shape.misfits[0]) / scale - by_chance(columns))
+
+
 def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     """Whether backlash, compliance or an encoder's angle error explains the encoder difference, whatever else is left.
 

@@ -23,6 +23,7 @@ from ..criteria.own_shape import (
     explains_the_torque,
     follows_laws,
     hardly_part,
+    imitates,
     is_play,
     only_teeth,
     parts_the_encoders,
@@ -54,8 +55,9 @@ def beside_the_unknown(
     if not found.problem.size:  # no torque was measured that could depend on anything
         return found, ("encoders",)
     start = found.rounds[0].before
-    if found.fit.hypothesis.base.is_open:  # nothing contradicts open constants: what was found stays
+    if found.fit.hypothesis.base.is_open:  # nothing contradicts open constants
         found = less(found, [n for n in found.fit.hypothesis.added if is_bend(found.problem, found.fit, n)], LIKENESS)
+        found = less(found, _of_the_same_cause(found), LIKENESS)
         problem = beside_generic_bases(found.problem, found.fit)
         between = ("encoders",) if apart(problem, found.fit, start) else ()
         return found, tuple(dict.fromkeys((*_most_likely(problem, found.fit), *between)))
@@ -80,6 +82,14 @@ def beside_the_unknown(
     # to a fit, something that comes and goes is an outlier and no lasting dependence
     passing = ("time",) if not suspect and episodes(problem, found.fit) else ()
     return found, depends_on or tuple(sorted(suspect)) or passing or _most_likely(problem, found.fit)
+
+
+def _of_the_same_cause(found: Search) -> list[str]:
+    """The added effects over the quantity that the rest depends on, if another shape over it explains much more."""
+    problem, added = beside_generic_bases(found.problem, found.fit), found.fit.hypothesis.added
+    left = _most_likely(problem, found.fit)
+    over = [name for name, held in added.items() if catalogue()[held.effect].depends_on in left]
+    return [name for name in over if imitates(problem, found.fit, name)]
 
 
 def _explains_most(found: Search, after: Fit, names: Collection[str]) -> bool:
