@@ -166,3 +166,20 @@ def test_a_pedal_that_a_driver_sets_is_not_the_output_of_a_throttle(tmp_path):
     init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
     text = (tmp_path / "m_map.yaml").read_text()
     assert "throttle position" in text and "# not used: pedal position [deg]" in text
+
+
+@pytest.mark.parametrize("share", ["Gravity Torque [Nm]", "friction torque [N m]", "tau_inertia [Nm]"])
+def test_a_share_of_the_torque_is_taken_only_if_the_whole_is_missing(share):
+    taken = signals("time [s]", "angle [rad]", share, "Applied Torque [Nm]")
+    assert taken["Applied Torque [Nm]"] == "motor_torque" and share not in taken
+    assert signals("time [s]", "angle [rad]", share)[share] == "motor_torque"
+
+
+def test_a_position_that_no_usual_units_make_the_integral_of_its_speed_is_asked_about(tmp_path, capsys):
+    time = np.arange(1500) * 2e-3
+    speed = 40.0 * np.sin(6.0 * time)
+    angle = 10.0 * 40.0 / 6.0 * (1.0 - np.cos(6.0 * time))
+    columns = {"time [s]": time, "position": angle, "velocity": speed, "current [A]": 0.3 * np.sign(speed)}
+    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
+    said = " ".join(capsys.readouterr().out.split())
+    assert "changes 10 times as much as the integral of the speed: which units have both?" in said

@@ -1,4 +1,4 @@
-"""A position that never changes, or a speed that is always zero, shows no motion: `init` says so and leaves it out."""
+"""What never changes shows no motion, or no drive: `init` says so, leaves it out, and learns nothing else of it."""
 
 import numpy as np
 import pytest
@@ -39,6 +39,26 @@ def test_another_column_that_changes_is_taken(tmp_path, capsys):
     run = {"electrical speed (RPM)": ZERO, "optical speed (RPM)": rpm, "current [A]": CURRENT}
     said, text = drafted(tmp_path, capsys, run)
     assert "optical speed (RPM) → speed" in said and "electrical speed" not in text.partition("# not used")[0]
+
+
+@pytest.mark.parametrize("drive", ["effort [N m]", "current [A]"])
+def test_a_drive_that_is_zero_all_along_is_none(tmp_path, capsys, drive):
+    """As the efforts of joint states are that nobody fills in."""
+    run = {"angle [rad]": ANGLE, "speed [rad/s]": SPEED, drive: ZERO}
+    said, text = drafted(tmp_path, capsys, run)
+    assert f"{drive}: {SAID}" in said and "No current or torque was found" in said
+    assert "current:" not in text and "motor_torque: {columns: ['effort" not in text
+    said, _ = drafted(tmp_path, capsys, run, {**run, drive: CURRENT}, force=True)
+    assert SAID not in said and f"{drive} → " in said
+
+
+def test_a_length_that_never_changes_makes_no_machine_linear(tmp_path, capsys):
+    """The arm of a brake; by its words it is no position either."""
+    run = {"Moment arm (cm)": ZERO + 15.25, "lever (mm)": ZERO + 3.0, "speed [rad/s]": SPEED, "current [A]": CURRENT}
+    said, text = drafted(tmp_path, capsys, run)
+    assert "speed [rad/s] → speed" in said and "motion: linear" not in text
+    moved = {"Moment arm (cm)": 15.0 + ANGLE, "speed [rad/s]": SPEED, "current [A]": CURRENT}
+    assert "speed [rad/s] → speed" in drafted(tmp_path, capsys, moved, force=True)[0]
 
 
 def test_without_any_motion_that_is_said(tmp_path, capsys):

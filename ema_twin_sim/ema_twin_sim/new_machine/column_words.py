@@ -42,6 +42,8 @@ ESTIMATED = r"^est$|^estimate[ds]?$|^estimation$|^geschaetzt"
 """Words for what the drive estimates, mostly from its currents."""
 COMPUTED = r"^calc$|^calculated$|^computed$|^berechnet"
 """Words for what a controller computed: taken only if nothing that the drive reports is there."""
+SHARE = r"^gravit|^friction|^damping$|^viscous$|^coulomb$|^inertial?$|^coriolis$|^centri|^reibung|^schwer"
+"""Words for one share of a torque, which a model computes: taken only if the whole of it is not there."""
 OUTPUT = (
     r"output|abtrieb|^load|^last(?!_)|^link|^joint|^arm(?!a)|^slow$|second|^out$|^(l|o|2)$|brake|bremse|dyno"
     r"|^sortie|^charge$|^uscita|^carico|^salida|^carga$"

@@ -18,9 +18,10 @@ from ema_bench_replay.traces.import_map import TIME_UNITS
 from ema_bench_replay.units import units_of
 
 from .clock_counters import clock_counters
-from .column_quantity import has_word, word_quantity
+from .column_quantity import contradicted_quantity, has_word, word_quantity
 from .column_words import MOTOR_ITSELF, OUTPUT, SLIDES
 from .joints import ONE_JOINT, Joint, JointColumn, one_joint
+from .never_changing import never_changes
 from .part_names import without_lone_letters
 from .row_counters import row_counters
 from .signal_columns import choose_signals, drive_command, other_torques, signal_column, supply_current
@@ -146,7 +147,8 @@ def guess_columns(
     """
     numbers = numbers or {}
     names = [header_words(name) for name in header]
-    linear = _is_linear(names)
+    telling = [n for n in names if not (contradicted_quantity(n.name) or never_changes(numbers.get(n.name)))]
+    linear = _is_linear(telling)
     names = [_settled(read, linear) for read in names]
     time = time_column(names, numbers)
     if time is not None and time.name in no_numbers:

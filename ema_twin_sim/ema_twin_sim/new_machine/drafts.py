@@ -33,7 +33,7 @@ from .given import Given
 from .load_by_numbers import doubted_motors_torque, load_by_numbers
 from .map_draft import draft_map, wrapped_after
 from .model_draft import ModelDraft, draft_model, farthest
-from .never_changing import without_motion
+from .never_changing import never_changing
 from .position_beside_speed import not_summed, share_beside_speed, unlike_speed
 from .rows import may_be_points
 from .shaft import Shaft, is_geared, is_possible, position_shaft, ratio_of_positions, too_slow_for_a_motor
@@ -82,7 +82,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         return Drafts(drafted, checked_model((recording,), given, shaft, source).text)
     for recording in recordings:
         _refuse_slow_samples(recording, guesses)
-    still = [guess.column for guess in guesses.signals if guess.signal in without_motion(recordings)]
+    still = [guess.column for guess in guesses.signals if guess.signal in never_changing(recordings)]
     if still:
         guesses = guesses.without(still)
         if not guesses.signals:

@@ -1,4 +1,4 @@
-"""Positions and speeds that never change, as those of a sensor that is not connected: they show no motion."""
+"""Signals that never change, as those of a sensor that is not connected: they show no motion, or no drive."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-_MOTIONS = ("motor_position", "output_position", "speed")
+_POSITIONS = ("motor_position", "output_position")
+_AT_ZERO = ("speed", "current", "motor_torque")
+"""May be steady, but not zero all along."""
 
 
 def never_changes(values: np.ndarray | None) -> bool:
@@ -17,15 +19,15 @@ def never_changes(values: np.ndarray | None) -> bool:
     return len(known) > 1 and float(np.ptp(known)) == 0.0
 
 
-def without_motion(recordings: Sequence[Recording]) -> tuple[str, ...]:
-    """The positions that are the same in all samples of all recordings, and a speed that is always zero.
+def never_changing(recordings: Sequence[Recording]) -> tuple[str, ...]:
+    """The positions that are the same in all samples of all recordings, and a speed or a drive that is always zero.
 
-    A speed that is steady may be true, and operating points may be at rest. A motor's position beside a speed that
-    changes is judged by that.
+    A speed or a torque that is steady may be true, and operating points may be at rest. A motor's position beside a
+    speed that changes is judged by that.
     """
     if any(recording.of_points for recording in recordings):
         return ()
-    held = [name for name in _MOTIONS if all(recording.has(name) for recording in recordings)]
+    held = [name for name in (*_POSITIONS, *_AT_ZERO) if all(recording.has(name) for recording in recordings)]
     still = [name for name in held if all(_stands(recording.signals[name], name) for recording in recordings)]
     if "speed" in held and "speed" not in still:
         still = [name for name in still if name != "motor_position"]
@@ -33,4 +35,4 @@ def without_motion(recordings: Sequence[Recording]) -> tuple[str, ...]:
 
 
 def _stands(values: np.ndarray, signal: str) -> bool:
-    return never_changes(values) and (signal != "speed" or not np.nan_to_num(values).any())
+    return never_changes(values) and (signal not in _AT_ZERO or not np.nan_to_num(values).any())

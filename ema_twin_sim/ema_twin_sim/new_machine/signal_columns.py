@@ -30,6 +30,7 @@ from .column_words import (
     OUTPUT,
     POWER_UNIT,
     SETPOINT,
+    SHARE,
     SUPPLY,
     TRANSDUCER,
 )
@@ -105,7 +106,7 @@ def choose_signals(
     def of(quantity: str, *, setpoint: bool = False) -> list[Column]:
         found = [c for c in columns if c.quantity == quantity and c.setpoint == setpoint and c not in taken.values()]
         found.sort(key=lambda c: (has_word(c.read.words, FILTERED), c.shaft == "output", not c.actual))
-        return sorted(found, key=lambda c: quantity in ("position", "speed") and never_changes(numbers.get(c.name)))
+        return sorted(found, key=lambda c: never_changes(numbers.get(c.name)))
 
     def take(signal: str, found: Sequence[Column]) -> None:
         if found:
@@ -193,7 +194,7 @@ def _of_a_current(torque: Column, currents: Sequence[Column], numbers: Mapping[s
 def _is_computed(torque: Column, torques: Sequence[Column]) -> bool:
     """Whether a controller computed a torque. "cal" says so beside an estimate only: it may be a calibrated one."""
     estimated = any(has_word(c.read.words, ESTIMATED) for c in torques if c is not torque)
-    return has_word(torque.read.words, COMPUTED) or ("cal" in torque.read.words and estimated)
+    return has_word(torque.read.words, f"{COMPUTED}|{SHARE}") or ("cal" in torque.read.words and estimated)
 
 
 def _may_drive(torque: Column) -> bool:
