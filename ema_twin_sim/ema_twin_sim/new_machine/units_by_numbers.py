@@ -197,8 +197,8 @@ def _by_way(position: Guess, speed: Guess, ways: float | None, gear_ratio: float
                         replace(speed, unit=unit, doubt=doubt and "no unit in the header"),
                     ]
         if not _open(position) or position.unit is None:
-            told = f"it changes {abs(ways):.4g} times as much as the integral of the speed: which units have both?"
-            return [replace(position, origin_doubt=told)]
+            asked = f"it changes {abs(ways):.4g} times as much as the integral of the speed: which units have both?"
+            return [replace(position, origin_doubt=asked)]
     return []
 
 
