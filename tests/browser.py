@@ -98,11 +98,15 @@ class Browser:
 
     def open(self, address, width=1280, height=900, scheme="light"):
         """Open an address as a screen of that width shows it."""
+        self.screen(width, height, scheme)
+        self.call("Page.navigate", url=address)
+
+    def screen(self, width, height, scheme="light"):
+        """Show what is open on a screen of that size."""
         phone = width < 600
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=phone)
         self.call("Emulation.setTouchEmulationEnabled", enabled=phone)
         self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
-        self.call("Page.navigate", url=address)
 
     def wait(self, expression):
         end = time.monotonic() + self._patience

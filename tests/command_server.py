@@ -51,12 +51,13 @@ class CommandServer:
             out, err = (path.read_text() for path in streams[1:])
             return subprocess.CompletedProcess(["ema-twin", *arguments], status, out, err)
 
-    def give(self, arguments, cwd, timeout, streams):
+    def give(self, arguments, cwd, timeout, streams, **environment):
         """The exit status of a command that reads from the first of three files, and writes to the others.
 
-        None where it took too long.
+        ``environment`` is its own beside the server's. None where it took too long.
         """
         order = {"arguments": arguments, "cwd": str(cwd), "timeout": timeout, "streams": [*map(str, streams)]}
+        order["environment"] = environment
         print(json.dumps(order), file=self._orders, flush=True)
         return json.loads(self._answers.readline())
 
@@ -103,7 +104,11 @@ def _become(order):
         os.chdir(order["cwd"])
         flags = (os.O_RDONLY, *[os.O_WRONLY | os.O_CREAT | os.O_TRUNC] * 2)
         for number, (path, flag) in enumerate(zip(order["streams"], flags, strict=True)):
-            os.dup2(os.open(path, flag, 0o600), number)
+            os.dup2(os.open(path, flag | os.O_NOCTTY, 0o600), number)
+        if order["environment"]:
+            os.environ.update(order["environment"])
+            for name in [name for name in sys.modules if name.startswith("ema_twin_sim.commands")]:
+                del sys.modules[name]  # how wide the output is, is decided as they are read
         sys.argv = ["ema-twin", *order["arguments"]]
         main()
         status = 0

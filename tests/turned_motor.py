@@ -38,7 +38,7 @@ def winding(**changes):
     return record
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", cache=True)  # kept in a folder named after all of the plant's sources
 def _turn(windings, states, rows, setpoint, angle, speed, step):
     constants = step_constants(windings[0], step)
     state = states[0]

@@ -7,8 +7,10 @@ import pty
 import re
 import struct
 import subprocess
+import tempfile
 import termios
 import threading
+from pathlib import Path
 
 import pytest
 from rich.console import Console
@@ -16,7 +18,7 @@ from rich.text import Text
 
 from ema_twin_sim.commands import tables
 from ema_twin_sim.commands.output import fold, takes_colours
-from tests.command_line import ENVIRONMENT, LONGEST, MODEL, TWIN, done
+from tests.command_line import ENVIRONMENT, LONGEST, MODEL, TWIN, done, server
 
 BROKEN = re.compile(r"(\d|±|\bN|\bkg)$")  # at a line's end: what must have its unit, or the rest of it, beside it
 
@@ -24,19 +26,17 @@ BROKEN = re.compile(r"(\d|±|\bN|\bkg)$")  # at a line's end: what must have its
 def on_terminal(*arguments, columns=80, timeout=LONGEST):
     """What a command prints on a terminal, its lines without colours."""
     ours, theirs = pty.openpty()
-    environment = {**os.environ, "COLUMNS": str(columns), "TERM": "xterm"}
-    process = subprocess.Popen(
-        [TWIN, *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=theirs,
-        stderr=subprocess.PIPE, env=environment,
-    )  # fmt: skip
-    os.close(theirs)
     parts = []
     reader = threading.Thread(target=lambda: parts.extend(_read(ours)))
     reader.start()
-    _, errors = process.communicate(timeout=timeout)
-    reader.join()
-    os.close(ours)
-    assert process.returncode == 0, errors
+    with tempfile.NamedTemporaryFile("r") as errors:
+        streams = (os.devnull, os.ttyname(theirs), errors.name)
+        given = {"COLUMNS": str(columns), "TERM": "xterm"}
+        status = server().give([*map(str, arguments)], Path.cwd(), timeout, streams, **given)
+        os.close(theirs)
+        reader.join()
+        os.close(ours)
+        assert status == 0, errors.read()
     text = re.sub(rb"\x1b\[[0-9;?]*[a-zA-Z]", b"", b"".join(parts)).decode()
     return text.replace("\r\n", "\n").split("\n")
 
@@ -99,10 +99,11 @@ def test_compare(traces, better, columns):
 
 
 def piped(columns, *arguments):
-    environment = {**os.environ, "COLUMNS": columns}
-    run = subprocess.run([TWIN, *map(str, arguments)], capture_output=True, text=True, env=environment, timeout=LONGEST)
-    assert run.returncode == 0, run.stderr
-    return run.stdout.split("\n")
+    with tempfile.NamedTemporaryFile("r") as out, tempfile.NamedTemporaryFile("r") as errors:
+        streams = (os.devnull, out.name, errors.name)
+        status = server().give([*map(str, arguments)], Path.cwd(), LONGEST, streams, COLUMNS=columns)
+        assert status == 0, errors.read()
+        return out.read().split("\n")
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ from ema_twin_sim.fitting.fit import METHODS, fit_model
 from ema_twin_sim.fitting.free_parameters import choose_numbers
 from ema_twin_sim.fitting.simulation_misfit import SimulationMisfit
 from ema_twin_sim.identification.equation import EquationErrorProblem
+from ema_twin_sim.identification.hypothesis import INERTIAS
 from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.model import load_model
 from tests.fitted_bench import FAST, SLOW, bench, check_recovered, estimates, true_value, with_effects
@@ -166,7 +167,8 @@ def test_every_parameter_of_the_catalogue_moves_both_methods(stock):
     observations = observe_all(recordings, loaded)
     for id, effect in catalogue().items():
         model = loaded.with_effect(id)
-        freedom = choose_numbers(model, [f"effects.{list(model.effects)[-1]}"], [])
+        *others, added = (f"effects.{name}" for name in model.effects)
+        freedom = choose_numbers(model, [added], [*others, *INERTIAS])
         misfits = (
             EquationMisfit(EquationErrorProblem(observations), freedom),
             SimulationMisfit(recordings, observations, freedom, ["setpoint"] * len(recordings)),
@@ -177,7 +179,7 @@ def test_every_parameter_of_the_catalogue_moves_both_methods(stock):
             for parameter in effect.parameters:
                 if parameter.at_rest:
                     continue
-                place = misfit.freedom.index(f"effects.{list(model.effects)[-1]}.{parameter.name}")
+                place = misfit.freedom.index(f"{added}.{parameter.name}")
                 number = misfit.freedom.numbers[place]
                 shown = np.linalg.norm(slopes[:, place]) * number.slope(start[place])
                 assert shown * (1.0 if number.log else number.scale) > 2.0, (id, parameter.name, type(misfit))

@@ -60,7 +60,7 @@ def test_without_a_command_or_with_few_rows_the_effort_stays():
     assert np.array_equal(disturbance(still, still.effort, ROWS, still.command, LEAD)[0], still.effort[ROWS])
 
 
-@njit
+@njit(cache=True)
 def _driven(noise, gains, wave, friction, rate, told, speed):  # pragma: no cover
     """Positions and efforts of a unit mass on a screw, whose control answers the error of the position alone."""
     proportional, derivative, integral = gains

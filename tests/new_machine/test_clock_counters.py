@@ -4,17 +4,12 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.traces.header_words import COUNTS, header_words
-from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.new_machine.columns import guess_columns
-from tests.trace_text import write_columns
+from tests.taken_columns import taken
 
 MS = np.cumsum(np.where(np.arange(900) % 50 == 7, 106.0, 32.0))
 TICK = (28228.0 + MS) % 32768.0
 POSITION = np.rint(40.0 * np.sin(4e-4 * MS))
-
-
-def taken(columns):
-    return {guess.signal: guess.column for guess in guess_columns(list(columns), numbers=columns).signals}
 
 
 @pytest.mark.parametrize("name", ["Realtime Tick", "Timestamp [ticks]", "Tick", "counts", "cycle counter [count]"])
@@ -57,10 +52,7 @@ def test_ticks_of_no_time_are_counts(name):
     assert header_words(name).unit == COUNTS
 
 
-def test_init_says_so(tmp_path, capsys):
-    trace = write_columns(tmp_path / "servo.csv", {"Time[ms]": MS, "Realtime Tick": TICK, "Present Position": POSITION})
-    init(str(tmp_path / "m"), [trace])
-    printed = capsys.readouterr()
-    said = " ".join((printed.out + printed.err).split())
-    assert "Realtime Tick: not used, since it counts at a constant rate, as a clock does" in said
-    assert "Present Position → motor_position" in said and "32768" not in said
+def test_init_says_so(drafted):
+    draft = drafted({"Time[ms]": MS, "Realtime Tick": TICK, "Present Position": POSITION})
+    assert "Realtime Tick: not used, since it counts at a constant rate, as a clock does" in draft.said
+    assert "Present Position → motor_position" in draft.said and "32768" not in draft.told

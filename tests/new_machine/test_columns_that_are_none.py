@@ -11,6 +11,7 @@ from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.given import Given
 from ema_twin_sim.new_machine.model_draft import ModelDraft
 from ema_twin_sim.new_machine.shaft import Shaft
+from tests.taken_columns import taken
 from tests.trace_text import write_columns
 
 TIME = np.arange(1500) * 2e-3
@@ -18,10 +19,7 @@ ANGLE = 30.0 * (1.0 - np.cos(2.0 * TIME))
 CURRENT = 0.5 * np.sign(np.sin(2.0 * TIME)) + 0.2 * np.cos(2.0 * TIME)
 
 
-def written(place, **columns):
-    """A trace with a time, a current, a motor's angle and these columns, (n,) each, by name."""
-    given = {"time [s]": TIME, "current [A]": CURRENT, "motor position [rad]": ANGLE, **columns}
-    return write_columns(place, given)
+MOTOR = {"time [s]": TIME, "current [A]": CURRENT, "motor position [rad]": ANGLE}
 
 
 @pytest.mark.parametrize(
@@ -54,19 +52,17 @@ def test_what_is_named_with_a_power_may_be_a_signal(name, signal):
 
 
 @pytest.mark.parametrize("times", [1e-7, -1e-7])
-def test_a_position_that_no_gear_makes_is_left_out_and_said(tmp_path, capsys, times):
+def test_a_position_that_no_gear_makes_is_left_out_and_said(tmp_path, drafted, times):
     """A gear ratio beyond those of a model ended init."""
-    trace = written(tmp_path / "t.csv", **{"output position [rad]": times * ANGLE})
-    init(str(tmp_path / "q"), [trace])
-    told = " ".join(capsys.readouterr().out.split())
-    assert "output position [rad]: not used as the output's position" in told
-    assert "the gear ratio would be 1e+07, as of no gear" in told
-    assert load_model(tmp_path / "q.yaml").value("machine.gear_ratio") == 1.0
-    assert "output_position" not in (tmp_path / "q_map.yaml").read_text()
+    draft = drafted({**MOTOR, "output position [rad]": times * ANGLE})
+    assert "output position [rad]: not used as the output's position" in draft.said
+    assert "the gear ratio would be 1e+07, as of no gear" in draft.said
+    assert load_model(tmp_path / "m.yaml").value("machine.gear_ratio") == 1.0
+    assert "output_position" not in draft.map
 
 
 def test_with_a_map_such_a_ratio_is_not_taken(tmp_path):
-    trace = written(tmp_path / "t.csv", **{"output position [rad]": 1e-7 * ANGLE})
+    trace = write_columns(tmp_path / "t.csv", {**MOTOR, "output position [rad]": 1e-7 * ANGLE})
     (tmp_path / "m.yaml").write_text(
         "version: 1\ntime: {column: 'time \\[s\\]', unit: s}\nsignals:\n"
         "  current: {columns: ['current \\[A\\]'], unit: A}\n"
@@ -79,16 +75,15 @@ def test_with_a_map_such_a_ratio_is_not_taken(tmp_path):
     assert "CHECK: both positions give 1e+07" in line
 
 
-def test_a_speed_far_beyond_its_position_is_no_gear(tmp_path):
-    trace = written(tmp_path / "t.csv", **{"speed [rad/s]": 1.3e6 * np.gradient(ANGLE, TIME)})
-    init(str(tmp_path / "q"), [trace])
-    assert load_model(tmp_path / "q.yaml").value("machine.gear_ratio") == 1.0
-    assert "Are the units of both right?" in (tmp_path / "q_map.yaml").read_text()
+def test_a_speed_far_beyond_its_position_is_no_gear(tmp_path, drafted):
+    draft = drafted({**MOTOR, "speed [rad/s]": 1.3e6 * np.gradient(ANGLE, TIME)})
+    assert load_model(tmp_path / "m.yaml").value("machine.gear_ratio") == 1.0
+    assert "Are the units of both right?" in draft.map
 
 
 def test_a_model_that_cannot_be_read_is_refused_with_the_users_file(tmp_path, monkeypatch):
     """The message had the path of a file that was already deleted."""
-    trace = written(tmp_path / "t.csv")
+    trace = write_columns(tmp_path / "t.csv", MOTOR)
     monkeypatch.setattr(drafts, "draft_model", lambda *_: ModelDraft("version: 1\nmachine: {gear_ratio: 4e6}\n"))
     with pytest.raises(InputError) as refusal:
         drafts.checked_model((), Given("q", None, None), Shaft(), str(trace))
@@ -101,15 +96,14 @@ def test_a_model_that_cannot_be_read_is_refused_with_the_users_file(tmp_path, mo
 )
 def test_a_feedforward_is_neither_a_measurement_nor_a_command(name):
     numbers = {"time [s]": TIME, "position [rad]": ANGLE, name: 0.3 * CURRENT}
-    assert [guess.signal for guess in guess_columns(list(numbers), numbers=numbers).signals] == ["motor_position"]
+    assert [*taken(numbers)] == ["motor_position"]
     numbers["torque command [Nm]"] = CURRENT
-    signals = {guess.signal: guess.column for guess in guess_columns(list(numbers), numbers=numbers).signals}
-    assert signals["motor_torque"] == "torque command [Nm]"
+    assert taken(numbers)["motor_torque"] == "torque command [Nm]"
 
 
 def test_a_feedforward_command_is_none_either():
     numbers = {"time [s]": TIME, "position [rad]": ANGLE, "torque feedforward setpoint [Nm]": 0.3 * CURRENT}
-    assert [guess.signal for guess in guess_columns(list(numbers), numbers=numbers).signals] == ["motor_position"]
+    assert [*taken(numbers)] == ["motor_position"]
 
 
 def test_where_every_column_has_a_hole_the_names_are_not_to_blame(tmp_path, capsys):
@@ -130,10 +124,7 @@ def test_a_column_that_numbers_the_rows_is_no_signal(name, counted):
     """`n` was taken for the speed, and the position was left out since it did not go with it."""
     columns = {"t": TIME, name: counted, "angle": ANGLE, "motor_current": CURRENT}
     guesses = guess_columns(list(columns), numbers=columns)
-    assert {guess.signal: guess.column for guess in guesses.signals} == {
-        "motor_position": "angle",
-        "current": "motor_current",
-    }
+    assert taken(columns) == {"motor_position": "angle", "current": "motor_current"}
     assert guesses.row_counters == (name,) and name in guesses.left
 
 
@@ -158,10 +149,9 @@ def test_speeds_set_one_after_another_are_those_of_operating_points():
     assert guess_columns(list(columns), numbers=columns).row_counters == ()
 
 
-def test_init_says_which_column_numbers_the_rows(tmp_path, capsys):
+def test_init_says_which_column_numbers_the_rows(drafted):
     columns = {"t": TIME, "n": COUNT, "angle": ANGLE, "motor_current": CURRENT}
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
-    told = " ".join(capsys.readouterr().out.split())
+    told = drafted(columns).said
     assert "n: not used, since it rises by the same step in every row" in told
     assert "angle → motor_position" in told and "nothing in common" not in told
 

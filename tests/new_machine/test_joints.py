@@ -3,15 +3,10 @@
 import numpy as np
 import pytest
 
-from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.new_machine.columns import guess_columns
-from tests.trace_text import write_columns
+from tests.taken_columns import taken
 
 TIME = np.arange(3000) * 2e-3
-
-
-def taken(numbers, **more):
-    return {guess.signal: guess.column for guess in guess_columns(list(numbers), numbers=numbers, **more).signals}
 
 
 def robot(names, far=2):
@@ -66,16 +61,11 @@ def test_two_numbered_shafts_of_one_train_stay_motor_and_output():
     assert (found["motor_torque"], found["load_torque"]) == ("torque 1 [Nm]", "torque 2 [Nm]")
 
 
-def test_init_tells_which_joint_it_took_and_reads_further_traces_of_it(tmp_path, capsys):
-    traces = []
-    for place, far in enumerate((2, 3)):  # in the second, another joint goes farther
-        numbers = robot(("q{} [rad]", "dq{} [rad/s]", "tau{} [Nm]"), far)
-        traces.append(write_columns(tmp_path / f"{place}.csv", numbers))
-    init(str(tmp_path / "robot"), traces)
-    assert "the columns numbered 2, of the joint with the largest motion; those of 1, 3" in " ".join(
-        capsys.readouterr().out.split()
-    )
-    assert "q2 " in (tmp_path / "robot_map.yaml").read_text()
+def test_init_tells_which_joint_it_took_and_reads_further_traces_of_it(drafted):
+    names = ("q{} [rad]", "dq{} [rad/s]", "tau{} [Nm]")
+    draft = drafted(robot(names, 2), robot(names, 3))  # in the second, another joint goes farther
+    assert "the columns numbered 2, of the joint with the largest motion; those of 1, 3" in draft.said
+    assert "q2 " in draft.map
 
 
 def test_a_transducers_torque_beside_a_current_is_the_load():

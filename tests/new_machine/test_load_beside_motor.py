@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.recording import AT, Recording
-from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.measured.load_sensor import load_over_motor_torque
 from ema_twin_sim.new_machine.load_beside_motor import shown_gear
-from tests.trace_text import write_columns
 
 TIME = np.arange(6000) * 2e-3
 ANGLE = 0.8 * np.sin(1.1 * TIME) + 0.3 * np.sin(2.9 * TIME)
@@ -22,33 +20,31 @@ def torques(gear, seed=5):
     return motor + 0.3 / gear * noise[0], LOAD + 0.05 * noise[1]
 
 
-def drafted(tmp_path, capsys, gear, **options):
+def arm(gear):
     motor, sensor = torques(gear)
     columns = {"time [s]": TIME, "joint angle [rad]": ANGLE, "joint velocity [rad/s]": SPEED}
-    columns |= {"motor torque [Nm]": motor, "joint torque sensor [Nm]": sensor}
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "arm.csv", columns)], **options)
-    printed = capsys.readouterr()
-    said = " ".join((printed.out + printed.err).split())
-    return said, next(line for line in (tmp_path / "m.yaml").read_text().splitlines() if "gear_ratio:" in line)
+    return columns | {"motor torque [Nm]": motor, "joint torque sensor [Nm]": sensor}
 
 
 @pytest.mark.parametrize("gear", [8.0, 50.0, 140.0])
-def test_the_ratio_is_proposed(tmp_path, capsys, gear):
-    said, line = drafted(tmp_path, capsys, gear)
-    about = float(said.partition("from the data sheet (about ")[2].partition(")")[0])
+def test_the_ratio_is_proposed(drafted, gear):
+    draft = drafted(arm(gear))
+    about = float(draft.told.partition("from the data sheet (about ")[2].partition(")")[0])
     assert about == pytest.approx(gear, rel=0.1)
-    assert f"arm: the load's torque changes about {about:g} times as much as the motor's" in said
+    assert f"run0: the load's torque changes about {about:g} times as much as the motor's" in draft.told
+    line = draft.line("gear_ratio")
     assert "value: 1," in line and f"# CHECK: the load's torque changes about {about:g} times" in line
 
 
-def test_a_ratio_that_is_given_is_not_asked_for(tmp_path, capsys):
-    said, line = drafted(tmp_path, capsys, 50.0, gear_ratio=50.0)
-    assert "times as much as the motor's" not in said + line and "value: 50," in line
+def test_a_ratio_that_is_given_is_not_asked_for(drafted):
+    draft = drafted(arm(50.0), gear_ratio=50.0)
+    assert "value: 50," in draft.line("gear_ratio")
+    assert "times as much as the motor's" not in draft.told + draft.model
 
 
-def test_without_a_gear_nothing_is_asked(tmp_path, capsys):
-    said, line = drafted(tmp_path, capsys, 1.0)
-    assert "times as much as the motor's" not in said + line
+def test_without_a_gear_nothing_is_asked(drafted):
+    draft = drafted(arm(1.0))
+    assert "times as much as the motor's" not in draft.told + draft.model
 
 
 def recording(motor, sensor, at="output"):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.load import load
-from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.measured.consistency import inconsistencies
 from ema_twin_sim.model import load_model
 
@@ -48,17 +47,15 @@ def drifting(time):
         (wandering, lambda t: np.where(np.arange(len(t)) % 900 == 50, -478.0, wandering(t)), True),  # a bad contact
     ],
 )
-def test_a_load_is_what_the_drive_follows(load, shown, used, tmp_path, capsys):
-    init(str(tmp_path / "joint"), [trace(tmp_path, load, shown)], torque_constant=CONSTANT)
-    drawn = (tmp_path / "joint_map.yaml").read_text()
-    assert ("load_torque" in drawn) == used
-    told = " ".join(capsys.readouterr().out.split())
-    assert ("joint torque sensor [Nm] → load_torque" in told) == used
-    assert ("the drive's torque does not follow it" in told) != used
+def test_a_load_is_what_the_drive_follows(load, shown, used, tmp_path, drafted):
+    draft = drafted(trace(tmp_path, load, shown), torque_constant=CONSTANT)
+    assert ("load_torque" in draft.map) == used
+    assert ("joint torque sensor [Nm] → load_torque" in draft.said) == used
+    assert ("the drive's torque does not follow it" in draft.said) != used
 
 
 @pytest.mark.parametrize(("noise", "used"), [(0.0, False), (0.02, True)])
-def test_a_torque_that_is_the_current_times_a_factor_is_no_load(noise, used, tmp_path, capsys):
+def test_a_torque_that_is_the_current_times_a_factor_is_no_load(noise, used, tmp_path, drafted):
     """A drive's estimate looks like a sensor that it follows to the last digit; a sensor has noise of its own."""
     path = trace(tmp_path, wandering, wandering)
     header = path.read_text().split("\n", 1)[0]
@@ -66,30 +63,25 @@ def test_a_torque_that_is_the_current_times_a_factor_is_no_load(noise, used, tmp
     rng = np.random.default_rng(7)
     table[:, 4] = 1.314 * table[:, 3] * (1.0 + noise * rng.standard_normal(len(table)))
     np.savetxt(path, table, "%.7g", ",", header=header, comments="")
-    init(str(tmp_path / "joint"), [path], torque_constant=CONSTANT)
-    told = " ".join(capsys.readouterr().out.split())
+    told = drafted(path, torque_constant=CONSTANT).said
     assert ("joint torque sensor [Nm] → load_torque" in told) == used
     assert ("it is 1.314 N m/A times the current" in told) != used
 
 
 @pytest.mark.parametrize("constant", [0.076, 760.0])
-def test_no_torque_constant_need_be_known(constant, tmp_path):
-    init(str(tmp_path / "a"), [trace(tmp_path, wandering, wandering, constant)])
-    assert "load_torque" in (tmp_path / "a_map.yaml").read_text()
-    init(str(tmp_path / "b"), [trace(tmp_path, lambda t: 0.0 * t, drifting, constant)])
-    assert "load_torque" not in (tmp_path / "b_map.yaml").read_text()
+def test_no_torque_constant_need_be_known(constant, tmp_path, drafted):
+    assert "load_torque" in drafted(trace(tmp_path, wandering, wandering, constant)).map
+    assert "load_torque" not in drafted(trace(tmp_path, lambda t: 0.0 * t, drifting, constant)).map
 
 
 @pytest.mark.parametrize(("shown", "turned"), [(wandering, False), (lambda t: -wandering(t), True)])
-def test_a_sensor_that_counts_against_the_drive_is_read_with_its_sign_turned(shown, turned, tmp_path, capsys):
+def test_a_sensor_that_counts_against_the_drive_is_read_with_its_sign_turned(shown, turned, tmp_path, drafted):
     """Where it were read as it stands, the load would push where it brakes, and no effect would explain that."""
     path = trace(tmp_path, wandering, shown)
-    init(str(tmp_path / "joint"), [path], torque_constant=CONSTANT)
-    drawn = (tmp_path / "joint_map.yaml").read_text()
-    assert ("unit: N m, factor: -1" in drawn) == turned
-    assert ("sign reversed, because the drive's torque falls" in " ".join(capsys.readouterr().out.split())) == turned
-    recording = load(path, import_map=tmp_path / "joint_map.yaml")
-    model = load_model(tmp_path / "joint.yaml")
+    draft = drafted(path, torque_constant=CONSTANT)
+    assert ("unit: N m, factor: -1" in draft.map) == turned
+    assert ("sign reversed, because the drive's torque falls" in draft.said) == turned
+    recording, model = load(path, import_map=tmp_path / "m_map.yaml"), load_model(tmp_path / "m.yaml")
     assert not [*inconsistencies(recording, model)]
     load_turned = replace(recording, signals={**recording.signals, "load_torque": -recording.signals["load_torque"]})
     assert ["load's sign" in str(found) for found in inconsistencies(load_turned, model)] == [True]

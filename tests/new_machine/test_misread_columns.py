@@ -5,7 +5,6 @@ import pytest
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.traces.header_words import COUNTS, header_words
-from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.new_machine.columns import guess_columns
 from tests.trace_text import write_columns
 
@@ -53,47 +52,42 @@ def test_steps_are_counts_only_where_a_unit_stands():
     assert header_words("step").unit is None and header_words("time step").unit is None
 
 
-def test_a_clock_of_that_name_and_unit_is_the_clock_though_it_steps_back(tmp_path):
+def test_a_clock_of_that_name_and_unit_is_the_clock_though_it_steps_back(drafted):
     time = TIME.copy()
     time[0] = time[1] + 5e-4
     columns = {"Time (s)": time, "ESC signal (µs)": 1000.0 + np.arange(len(TIME)), "speed [rad/s]": SPEED}
-    trace = write_columns(tmp_path / "trace.csv", {**columns, "current [A]": CURRENT})
     with pytest.raises(InputError, match=r"line 3: column 'Time \(s\)': time goes back .* first row .* remove line 2"):
-        init(str(tmp_path / "m"), [trace])
+        drafted({**columns, "current [A]": CURRENT})
 
 
-def test_a_single_repeated_time_is_said_and_left_out(tmp_path, capsys):
+def test_a_single_repeated_time_is_said_and_left_out(drafted):
     time = TIME.copy()
     time[1] = time[0]
     columns = {"Time (s)": time, "ESC signal (µs)": 1000.0 + 0.5 * np.arange(len(TIME)), "speed [rad/s]": SPEED}
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "trace.csv", {**columns, "current [A]": CURRENT})])
-    told = " ".join(capsys.readouterr().err.split())
-    assert "1 row (the first in line 3) tells the time of the row before: left out" in told
-    assert "column: 'Time \\(s\\)'" in (tmp_path / "m_map.yaml").read_text()
+    draft = drafted({**columns, "current [A]": CURRENT})
+    assert "1 row (the first in line 3) tells the time of the row before: left out" in draft.warned
+    assert "column: 'Time \\(s\\)'" in draft.map
 
 
-def test_a_table_whose_time_goes_back_may_be_of_operating_points(tmp_path):
+def test_a_table_whose_time_goes_back_may_be_of_operating_points(drafted):
     columns = {"time [s]": [3.0, 1.0, 2.0, 5.0, 4.0, 6.0], "speed [rad/s]": np.arange(6.0), "torque [N m]": np.ones(6)}
-    trace = write_columns(tmp_path / "table.csv", columns)
     with pytest.raises(InputError, match=r"time goes back .* give --operating-points"):
-        init(str(tmp_path / "m"), [trace])
-    init(str(tmp_path / "m"), [trace], operating_points=True)
-    assert "operating_points: true" in (tmp_path / "m_map.yaml").read_text()
+        drafted(columns)
+    assert "operating_points: true" in drafted(columns, operating_points=True).map
 
 
-def test_long_samples_whose_time_goes_back_are_no_operating_points(tmp_path):
+def test_long_samples_whose_time_goes_back_are_no_operating_points(drafted):
     columns = {"time [s]": np.tile(TIME, 2), "speed [rad/s]": np.tile(SPEED, 2), "current [A]": np.tile(CURRENT, 2)}
     with pytest.raises(InputError, match="time goes back") as refused:
-        init(str(tmp_path / "m"), [write_columns(tmp_path / "trace.csv", columns)])
+        drafted(columns)
     assert "operating" not in str(refused.value)
 
 
-def test_a_motor_that_turns_is_of_a_rotary_machine_whatever_the_unit_of_its_torque(tmp_path, capsys):
+def test_a_motor_that_turns_is_of_a_rotary_machine_whatever_the_unit_of_its_torque(drafted):
     columns = {"time [s]": TIME, "motor speed [rpm]": SPEED, "motor torque [mN]": CURRENT, "motor current [A]": CURRENT}
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "trace.csv", columns)])
-    told = " ".join(capsys.readouterr().out.split())
-    assert "motor torque [mN]: mN is a unit of a linear machine" in told and "motor speed [rpm] → speed in rpm" in told
-    assert "motion: linear" not in (tmp_path / "m_map.yaml").read_text()
+    draft = drafted(columns)
+    assert "motor torque [mN]: mN is a unit of a linear machine" in draft.said
+    assert "motor speed [rpm] → speed in rpm" in draft.said and "motion: linear" not in draft.map
 
 
 def test_a_carriage_is_linear_whatever_its_encoder_counts():
@@ -101,13 +95,12 @@ def test_a_carriage_is_linear_whatever_its_encoder_counts():
     assert guesses.motion == "linear" and guesses.other_motion == ("speed [rev/s]",)
 
 
-def test_of_two_lines_of_names_the_one_with_units_is_the_header(tmp_path, capsys):
+def test_of_two_lines_of_names_the_one_with_units_is_the_header(tmp_path, drafted):
     points = np.arange(1.0, 31.0)
     columns = {"轉速rpm": 3600.0 - points, "轉矩n-m": points, "Q功率VAR": 9.0 - points}
     trace = write_columns(tmp_path / "points.csv", columns)
     trace.write_text("speed,torque,Q3\n" + trace.read_text())
-    init(str(tmp_path / "m"), [trace])
-    told = " ".join(capsys.readouterr().out.split())
+    told = drafted(trace).said
     assert "轉矩n-m → motor_torque in N m" in told and "轉速rpm → speed in rpm" in told and "VAR →" not in told
 
 
@@ -122,17 +115,16 @@ def walking(rows=1500, step=0.01):
     return angle, speed
 
 
-def test_samples_of_a_fast_motion_without_a_time_are_no_operating_points(tmp_path):
+def test_samples_of_a_fast_motion_without_a_time_are_no_operating_points(drafted):
     """The way from row to row is that of both their speeds; that of one of them alone was too far off."""
     angle, speed = walking()
     columns = {"joint pos [rad]": angle, "joint vel [rad/s]": speed, "tau [N m]": 3.0 * np.sin(angle) + np.sign(speed)}
-    trace = write_columns(tmp_path / "walk.csv", columns)
     with pytest.raises(InputError, match=r"look like samples; export the time too, in a column named 'time \[s\]'"):
-        init(str(tmp_path / "m"), [trace])
+        drafted(columns)
 
 
 @pytest.mark.parametrize("names", [("tau_cal", "tau_est"), ("calculated torque", "torque")])
-def test_what_the_drive_reports_is_preferred_to_what_a_controller_computed(names, tmp_path):
+def test_what_the_drive_reports_is_preferred_to_what_a_controller_computed(names):
     computed, reported = names
     angle, speed = walking()
     columns = {"time [s]": np.arange(len(angle)) * 0.01, f"{computed} [N m]": np.cos(angle)}
@@ -154,7 +146,7 @@ def test_words_of_a_part_or_a_calculation_say_nothing_of_other_quantities(column
     assert guesses[signal].column.startswith(column) and guesses[signal].shaft != "output"
 
 
-def test_a_pedal_that_a_driver_sets_is_not_the_output_of_a_throttle(tmp_path):
+def test_a_pedal_that_a_driver_sets_is_not_the_output_of_a_throttle(drafted):
     time = np.arange(3000) * 2e-3
     throttle = np.sin(3.0 * time)
     columns = {
@@ -163,8 +155,7 @@ def test_a_pedal_that_a_driver_sets_is_not_the_output_of_a_throttle(tmp_path):
         "throttle position [deg]": 40.0 * throttle,
         "current [A]": throttle + np.sign(np.cos(3.0 * time)),
     }
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
-    text = (tmp_path / "m_map.yaml").read_text()
+    text = drafted(columns).map
     assert "throttle position" in text and "# not used: pedal position [deg]" in text
 
 
@@ -175,11 +166,10 @@ def test_a_share_of_the_torque_is_taken_only_if_the_whole_is_missing(share):
     assert signals("time [s]", "angle [rad]", share)[share] == "motor_torque"
 
 
-def test_a_position_that_no_usual_units_make_the_integral_of_its_speed_is_asked_about(tmp_path, capsys):
+def test_a_position_that_no_usual_units_make_the_integral_of_its_speed_is_asked_about(drafted):
     time = np.arange(1500) * 2e-3
     speed = 40.0 * np.sin(6.0 * time)
     angle = 10.0 * 40.0 / 6.0 * (1.0 - np.cos(6.0 * time))
     columns = {"time [s]": time, "position": angle, "velocity": speed, "current [A]": 0.3 * np.sign(speed)}
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
-    said = " ".join(capsys.readouterr().out.split())
+    said = drafted(columns).said
     assert "changes 10 times as much as the integral of the speed: which units have both?" in said

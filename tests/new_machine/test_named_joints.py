@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.new_machine.columns import guess_columns
-from tests.trace_text import write_columns
 
 TIME = np.arange(3000) * 2e-3
 NAMES = {"position": "motor_position", "speed": "speed", "torque": "motor_torque"}
@@ -124,13 +122,12 @@ def test_the_same_joint_is_taken_from_another_trace():
     assert taken(columns, joint="FL hip")[1]["motor_position"] == "FL_hip_position"
 
 
-def test_init_says_which_joint_it_took_and_marks_it(tmp_path, capsys):
+def test_init_says_which_joint_it_took_and_marks_it(drafted):
     columns = trace("{joint}_{quantity}", apart(("left", "right"), "right"))
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
-    told = " ".join(capsys.readouterr().out.split())
+    draft = drafted(columns)
     said = "the columns of right, the joint with the largest motion; those of left are not used (to use another joint,"
-    assert f"Assumed: {said}" in told and "nothing had to be guessed" not in told.split("m.yaml")[0]
-    assert f"# CHECK: {said}" in (tmp_path / "m_map.yaml").read_text()
+    assert f"Assumed: {said}" in draft.said and "nothing had to be guessed" not in draft.said.split("m.yaml")[0]
+    assert f"# CHECK: {said}" in draft.map
 
 
 @pytest.mark.parametrize("name", ["M_sequence_number", "M sequence", "N_samples_lost", "S_message_counter", "m_index"])
@@ -160,22 +157,20 @@ def test_the_number_of_something_is_no_current():
 
 
 @pytest.mark.parametrize("lead", [0.0, 0.15])
-def test_a_position_that_only_goes_almost_with_the_speed_is_to_be_checked(lead, tmp_path, capsys):
+def test_a_position_that_only_goes_almost_with_the_speed_is_to_be_checked(lead, drafted):
     """As that of another joint in step; of one joint, the slope of the position is the speed."""
     columns = {"time [s]": TIME, "speed [rad/s]": joint(0.5, 4.0)["speed"], "torque [Nm]": joint(0.5, 4.0)["torque"]}
     columns["position [rad]"] = joint(0.5, 4.0, lead)["position"]
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
-    told = " ".join(capsys.readouterr().out.split())
+    draft = drafted(columns)
     said = "15 % of its way is not the speed's"
-    assert (f"position [rad]: of the same shaft as speed [rad/s], though {said}" in told) is (lead > 0.0)
-    assert (f"CHECK: {said}: are both of the same shaft?" in (tmp_path / "m_map.yaml").read_text()) is (lead > 0.0)
+    assert (f"position [rad]: of the same shaft as speed [rad/s], though {said}" in draft.said) is (lead > 0.0)
+    assert (f"CHECK: {said}: are both of the same shaft?" in draft.map) is (lead > 0.0)
 
 
-def test_a_bracket_within_a_name_is_no_unit(tmp_path, capsys):
+def test_a_bracket_within_a_name_is_no_unit(drafted):
     columns = trace("knee[ActPack]:motor_{quantity}", {"": joint(3.0, 1.3)})
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
-    told = capsys.readouterr()
-    assert "is not a" not in told.out + told.err + (tmp_path / "m_map.yaml").read_text()
+    draft = drafted(columns)
+    assert "is not a" not in draft.told + draft.map
 
 
 def test_a_bracket_may_name_a_joint():

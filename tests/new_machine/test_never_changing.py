@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.commands.init import run as init
-from tests.trace_text import write_columns
 
 TIME = np.arange(600) * 2e-3
 SPEED = 40.0 * np.sin(6.0 * TIME)
@@ -15,76 +13,76 @@ ZERO = np.zeros(600)
 SAID = "not used, since it never changes"
 
 
-def drafted(tmp_path, capsys, *runs, **options):
-    traces = [write_columns(tmp_path / f"run{k}.csv", {"time [s]": TIME, **run}) for k, run in enumerate(runs)]
-    init(str(tmp_path / "m"), traces, **options)
-    return " ".join(capsys.readouterr().out.split()), (tmp_path / "m_map.yaml").read_text()
+@pytest.fixture
+def timed(drafted):
+    return lambda *runs, **options: drafted(*({"time [s]": TIME, **run} for run in runs), **options)
 
 
 @pytest.mark.parametrize("still", ["speed [rpm]", "output position [rad]"])
-def test_what_is_left_works(tmp_path, capsys, still):
-    said, text = drafted(tmp_path, capsys, {"angle [rad]": ANGLE, still: ZERO, "current [A]": CURRENT})
-    assert f"{still}: {SAID}" in said and "angle [rad] → motor_position" in said and "ema-twin discover" in said
-    assert "speed:" not in text and "output_position:" not in text and f"# not used: {still}" in text
+def test_what_is_left_works(timed, still):
+    draft = timed({"angle [rad]": ANGLE, still: ZERO, "current [A]": CURRENT})
+    for words in (f"{still}: {SAID}", "angle [rad] → motor_position", "ema-twin discover"):
+        assert words in draft.said
+    assert "speed:" not in draft.map and "output_position:" not in draft.map and f"# not used: {still}" in draft.map
 
 
-def test_a_position_that_stands_beside_a_speed(tmp_path, capsys):
-    said, _ = drafted(tmp_path, capsys, {"angle [rad]": ZERO + 1.5, "speed [rad/s]": SPEED, "current [A]": CURRENT})
+def test_a_position_that_stands_beside_a_speed(timed):
+    said = timed({"angle [rad]": ZERO + 1.5, "speed [rad/s]": SPEED, "current [A]": CURRENT}).said
     assert "angle [rad]: not used: it stands still, while by the speed the motor moves" in said
     assert "speed [rad/s] → speed" in said
 
 
-def test_another_column_that_changes_is_taken(tmp_path, capsys):
+def test_another_column_that_changes_is_taken(timed):
     rpm = SPEED * 30.0 / np.pi
     run = {"electrical speed (RPM)": ZERO, "optical speed (RPM)": rpm, "current [A]": CURRENT}
-    said, text = drafted(tmp_path, capsys, run)
-    assert "optical speed (RPM) → speed" in said and "electrical speed" not in text.partition("# not used")[0]
+    draft = timed(run)
+    assert "optical speed (RPM) → speed" in draft.said
+    assert "electrical speed" not in draft.map.partition("# not used")[0]
 
 
 @pytest.mark.parametrize("drive", ["effort [N m]", "current [A]"])
-def test_a_drive_that_is_zero_all_along_is_none(tmp_path, capsys, drive):
+def test_a_drive_that_is_zero_all_along_is_none(timed, drive):
     """As the efforts of joint states are that nobody fills in."""
     run = {"angle [rad]": ANGLE, "speed [rad/s]": SPEED, drive: ZERO}
-    said, text = drafted(tmp_path, capsys, run)
-    assert f"{drive}: {SAID}" in said and "No current or torque was found" in said
-    assert "current:" not in text and "motor_torque: {columns: ['effort" not in text
-    said, _ = drafted(tmp_path, capsys, run, {**run, drive: CURRENT}, force=True)
+    draft = timed(run)
+    assert f"{drive}: {SAID}" in draft.said and "No current or torque was found" in draft.said
+    assert "current:" not in draft.map and "motor_torque: {columns: ['effort" not in draft.map
+    said = timed(run, {**run, drive: CURRENT}).said
     assert SAID not in said and f"{drive} → " in said
 
 
-def test_a_length_that_never_changes_makes_no_machine_linear(tmp_path, capsys):
+def test_a_length_that_never_changes_makes_no_machine_linear(timed):
     """The arm of a brake; by its words it is no position either."""
     run = {"Moment arm (cm)": ZERO + 15.25, "lever (mm)": ZERO + 3.0, "speed [rad/s]": SPEED, "current [A]": CURRENT}
-    said, text = drafted(tmp_path, capsys, run)
-    assert "speed [rad/s] → speed" in said and "motion: linear" not in text
+    draft = timed(run)
+    assert "speed [rad/s] → speed" in draft.said and "motion: linear" not in draft.map
     moved = {"Moment arm (cm)": 15.0 + ANGLE, "speed [rad/s]": SPEED, "current [A]": CURRENT}
-    assert "speed [rad/s] → speed" in drafted(tmp_path, capsys, moved, force=True)[0]
+    assert "speed [rad/s] → speed" in timed(moved).said
 
 
-def test_without_any_motion_that_is_said(tmp_path, capsys):
-    said, _ = drafted(tmp_path, capsys, {"angle [rad]": ZERO, "speed [rad/s]": ZERO, "current [A]": CURRENT})
+def test_without_any_motion_that_is_said(timed):
+    said = timed({"angle [rad]": ZERO, "speed [rad/s]": ZERO, "current [A]": CURRENT}).said
     assert said.count(SAID) == 2 and "No motor position or speed was found" in said
 
 
-def test_nothing_left_is_refused(tmp_path):
-    trace = write_columns(tmp_path / "run.csv", {"time [s]": TIME, "speed [rad/s]": ZERO})
-    with pytest.raises(InputError, match=r"run.csv: speed \[rad/s\]: never changes, and nothing else is left to read"):
-        init(str(tmp_path / "m"), [trace])
+def test_nothing_left_is_refused(timed):
+    with pytest.raises(InputError, match=r"run0.csv: speed \[rad/s\]: never changes, and nothing else is left to read"):
+        timed({"speed [rad/s]": ZERO})
 
 
-def test_what_moves_in_one_recording_stays(tmp_path, capsys):
+def test_what_moves_in_one_recording_stays(timed):
     held = {"speed [rad/s]": ZERO, "current [A]": CURRENT}
-    said, _ = drafted(tmp_path, capsys, held, {"speed [rad/s]": SPEED, "current [A]": CURRENT})
+    said = timed(held, {"speed [rad/s]": SPEED, "current [A]": CURRENT}).said
     assert SAID not in said and "speed [rad/s] → speed" in said
 
 
-def test_a_steady_speed_and_operating_points_at_rest_stay(tmp_path, capsys):
+def test_a_steady_speed_and_operating_points_at_rest_stay(timed):
     steady = {"speed [rpm]": ZERO + 1000.0, "current [A]": CURRENT}
-    assert SAID not in drafted(tmp_path, capsys, steady)[0]
+    assert SAID not in timed(steady).said
     at_rest = {"speed [rpm]": ZERO, "angle [rad]": ANGLE, "current [A]": CURRENT}
-    assert SAID not in drafted(tmp_path, capsys, at_rest, operating_points=True, force=True)[0]
+    assert SAID not in timed(at_rest, operating_points=True).said
 
 
-def test_a_magnitude_beside_it_hides_nothing(tmp_path, capsys):
-    said, _ = drafted(tmp_path, capsys, {"angle [rad]": ANGLE, "speed [rpm]": ZERO, "current [A]": np.abs(CURRENT)})
-    assert f"speed [rpm]: {SAID}" in said
+def test_a_magnitude_beside_it_hides_nothing(timed):
+    columns = {"angle [rad]": ANGLE, "speed [rpm]": ZERO, "current [A]": np.abs(CURRENT)}
+    assert f"speed [rpm]: {SAID}" in timed(columns).said

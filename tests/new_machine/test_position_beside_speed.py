@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.recording import Recording
-from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.position_beside_speed import going_with_speed, not_summed, unlike_speed
-from tests.trace_text import write_columns
+from tests.taken_columns import taken
 
 TIME = np.arange(2000) * 5e-3
 SPEEDS = {
@@ -67,19 +66,13 @@ def test_one_recording_that_shows_the_position_is_enough():
     assert unlike_speed([recorded(SPEEDS["both ways"], 60.0 * np.roll(NOISE, 700)), good]) == ""
 
 
-def told_by_init(tmp_path, columns, capsys):
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "trace.csv", columns)])
-    return " ".join(capsys.readouterr().out.split())
-
-
-def test_init_leaves_it_out_and_says_so_once(tmp_path, capsys):
+def test_init_leaves_it_out_and_says_so_once(drafted):
     speed = SPEEDS["both ways"]
     columns = {"time [s]": TIME, "motor position": np.round(60.0 * np.roll(NOISE, 700))}
     columns |= {"motor speed [rad/s]": speed + 0.1 * NOISE, "motor current [A]": np.sign(speed) + 0.1 * NOISE}
-    told = told_by_init(tmp_path, columns, capsys)
-    assert "motor position: not used: it has nothing in common with the integral of the speed" in told
-    assert told.count("motor position") == 1
-    assert "motor_position" not in (tmp_path / "m_map.yaml").read_text()
+    draft = drafted(columns)
+    assert "motor position: not used: it has nothing in common with the integral of the speed" in draft.said
+    assert draft.said.count("motor position") == 1 and "motor_position" not in draft.map
 
 
 def other_axis(size):
@@ -87,11 +80,11 @@ def other_axis(size):
     return size * (0.1 * TIME + np.sin(0.37 * TIME + 1.0) + 0.3 * np.sin(2.9 * TIME))
 
 
-def taken(columns):
+def positions(columns):
     """The position of motor and of output that `init` takes of these, and those of other axes."""
-    guesses = guess_columns(list(columns), numbers=columns)
-    found = {guess.signal: guess.column for guess in guesses.signals}
-    return found.get("motor_position"), found.get("output_position"), guesses.other_axes
+    found = taken(columns)
+    axes = guess_columns(list(columns), numbers=columns).other_axes
+    return found.get("motor_position"), found.get("output_position"), axes
 
 
 @pytest.mark.parametrize("name", SPEEDS)
@@ -101,9 +94,9 @@ def test_beside_a_speed_the_position_that_goes_with_it_is_the_machines(name, siz
     speed = SPEEDS[name] + 0.1 * NOISE
     leg = way(SPEEDS[name])
     columns = {"time [s]": TIME, "yaw angle": other_axis(size * np.ptp(leg)), "leg angle": leg, "speed": speed}
-    assert taken(columns) == ("leg angle", None, ("yaw angle",))
+    assert positions(columns) == ("leg angle", None, ("yaw angle",))
     del columns["speed"]
-    assert taken(columns)[2] == () and taken(columns)[0] == ("leg angle" if size < 1.0 else "yaw angle")
+    assert positions(columns)[2] == () and positions(columns)[0] == ("leg angle" if size < 1.0 else "yaw angle")
 
 
 def test_two_shafts_of_one_train_go_with_the_speed_alike_and_travel_decides():
@@ -111,7 +104,7 @@ def test_two_shafts_of_one_train_go_with_the_speed_alike_and_travel_decides():
     backlash = motor / 50.0 + 1e-3 * np.sign(SPEEDS["both ways"])
     columns = {"time [s]": TIME, "theta_one": backlash, "theta_two": motor, "yaw angle": other_axis(1e3)}
     columns["speed [rad/s]"] = SPEEDS["both ways"]
-    assert taken(columns) == ("theta_two", "theta_one", ("yaw angle",))
+    assert positions(columns) == ("theta_two", "theta_one", ("yaw angle",))
 
 
 def test_an_angle_that_starts_again_goes_with_the_speed_all_the_same():
@@ -129,21 +122,20 @@ def test_without_any_that_goes_with_the_speed_all_are_possible():
     assert going_with_speed(names, SPEEDS["both ways"], TIME) == {*names}
 
 
-def test_init_says_which_other_position_was_left_out(tmp_path, capsys):
+def test_init_says_which_other_position_was_left_out(drafted):
     speed = SPEEDS["both ways"]
     columns = {"time [s]": TIME, "yaw [deg]": other_axis(1e3), "leg angle [rad]": way(speed)}
     columns |= {"speed [rad/s]": speed, "current [A]": np.sign(speed) + 0.1 * NOISE}
-    told = told_by_init(tmp_path, columns, capsys)
-    assert "yaw [deg]: not used, since leg angle [rad] goes with the speed more" in told
-    assert "motor_position: {columns: ['leg angle \\[rad\\]']" in (tmp_path / "m_map.yaml").read_text()
+    draft = drafted(columns)
+    assert "yaw [deg]: not used, since leg angle [rad] goes with the speed more" in draft.said
+    assert "motor_position: {columns: ['leg angle \\[rad\\]']" in draft.map
 
 
-def test_what_is_said_to_go_with_the_speed_more_is_the_motors_position(tmp_path, capsys):
+def test_what_is_said_to_go_with_the_speed_more_is_the_motors_position(drafted):
     speed = SPEEDS["both ways"]
     columns = {"time [s]": TIME, "output angle [rad]": way(speed) / 3.0, "crank angle [rad]": way(speed)}
     columns |= {"tilt angle [rad]": other_axis(1.0), "speed [rad/s]": speed, "current [A]": np.gradient(speed, TIME)}
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
-    told = " ".join(capsys.readouterr().out.split())
+    told = drafted(columns).said
     assert "tilt angle [rad]: not used, since crank angle [rad] goes with the speed more" in told
 
 

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.recording import POINTS, Recording
-from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.new_machine.torque_beside_current import not_filtered
-from tests.trace_text import write_columns
 
 TIME = np.arange(3000) * 5e-3
 SPEED = 20.0 * np.sin(3.1 * TIME) + 8.0 * np.sin(7.2 * TIME)
@@ -26,47 +24,51 @@ def noisy(values, share=0.01):
     return values + share * np.std(values) * RANDOM.standard_normal(len(values))
 
 
-def mapped(tmp_path, capsys, **columns):
+@pytest.fixture
+def mapped(drafted):
     """The lines of the map that `init` drafts, by signal, and what it prints; ``columns`` are (n,) by their names."""
     moving = {"time [s]": TIME, "position [rad]": np.cumsum(SPEED) * 5e-3, "speed [rad/s]": SPEED}
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", {**moving, **columns})])
-    lines = (tmp_path / "m_map.yaml").read_text().splitlines()
-    told = " ".join(capsys.readouterr().out.split())
-    return {line.split(":")[0].strip(): line for line in lines if line.startswith("  ")}, told
+
+    def of(**columns):
+        draft = drafted({**moving, **columns})
+        lines = draft.map.splitlines()
+        return {line.split(":")[0].strip(): line for line in lines if line.startswith("  ")}, draft.said
+
+    return of
 
 
 @pytest.mark.parametrize("of_motor", ["motor torque [Nm]", "torque [Nm]", "drive torque [Nm]"])
 @pytest.mark.parametrize("name", ["trd605 torque sensor", "torque sensor", "sensor torque", "torque transducer"])
-def test_a_transducer_beside_the_motors_torque_is_the_load(tmp_path, capsys, of_motor, name):
+def test_a_transducer_beside_the_motors_torque_is_the_load(mapped, of_motor, name):
     """It was used only beside a current, and dropped without a word beside a torque."""
-    drawn, told = mapped(tmp_path, capsys, **{of_motor: noisy(DRIVE), f"{name} [Nm]": noisy(LOAD)})
+    drawn, told = mapped(**{of_motor: noisy(DRIVE), f"{name} [Nm]": noisy(LOAD)})
     assert of_motor.split(" [")[0] in drawn["motor_torque"] and name in drawn["load_torque"]
     assert f"{name} [Nm] → load_torque in N m" in told
 
 
-def test_a_transducer_alone_is_all_that_tells_the_drive(tmp_path, capsys):
-    drawn, _ = mapped(tmp_path, capsys, **{"torque sensor [Nm]": noisy(DRIVE)})
+def test_a_transducer_alone_is_all_that_tells_the_drive(mapped):
+    drawn, _ = mapped(**{"torque sensor [Nm]": noisy(DRIVE)})
     assert "torque sensor" in drawn["motor_torque"] and "load_torque" not in drawn
 
 
-def test_a_measured_torque_that_explains_the_motors_is_the_load(tmp_path, capsys):
+def test_a_measured_torque_that_explains_the_motors_is_the_load(mapped):
     columns = {"motor torque [Nm]": noisy(DRIVE), "measured torque [Nm]": noisy(LOAD)}
-    drawn, told = mapped(tmp_path, capsys, **columns)
+    drawn, told = mapped(**columns)
     assert "motor torque" in drawn["motor_torque"] and "measured torque" in drawn["load_torque"]
     assert "# CHECK: taken for the load" in drawn["load_torque"]
     assert "it explains motor torque [Nm]" in told
 
 
-def test_one_that_does_not_is_left_out_with_a_sentence(tmp_path, capsys):
+def test_one_that_does_not_is_left_out_with_a_sentence(mapped):
     columns = {"motor torque [Nm]": noisy(DRIVE), "measured torque [Nm]": np.sin(0.41 * TIME + 1.0)}
-    drawn, told = mapped(tmp_path, capsys, **columns)
+    drawn, told = mapped(**columns)
     assert "load_torque" not in drawn
     assert "measured torque [Nm]: not used: motor torque [Nm] is the motor's by its name" in told
 
 
 @pytest.mark.parametrize("name", ["trs605-5 torque [Nm]", "FUTEK torque [Nm]"])
-def test_a_transducers_series_or_maker_tells_it_too(tmp_path, capsys, name):
-    drawn, _ = mapped(tmp_path, capsys, **{"current [A]": noisy(DRIVE / 0.5), name: noisy(LOAD)})
+def test_a_transducers_series_or_maker_tells_it_too(mapped, name):
+    drawn, _ = mapped(**{"current [A]": noisy(DRIVE / 0.5), name: noisy(LOAD)})
     assert name.split(" [")[0] in drawn["load_torque"] and "motor_torque" not in drawn
 
 
@@ -115,15 +117,13 @@ def test_few_rows_or_constants_tell_nothing():
     assert beside_current(np.full(3000, 0.3), DRIVE) is None and beside_current(DRIVE, np.zeros(3000)) is None
 
 
-def test_if_nothing_decides_init_asks_and_gives_the_line_for_the_map(tmp_path, capsys):
+def test_if_nothing_decides_init_asks_and_gives_the_line_for_the_map(mapped):
     """A sensor that nearly goes with the current was read as the motor's torque without a word."""
     wavering = 0.4 * np.sin(1.7 * TIME)  # of the friction, so that the motion does not explain what is left
     current = noisy((LOAD + wavering + FRICTION) / 0.5, 0.2)
-    drawn, told = mapped(tmp_path, capsys, **{"q-axis [A]": current, "torque [Nm]": noisy(LOAD)})
+    drawn, told = mapped(**{"q-axis [A]": current, "torque [Nm]": noisy(LOAD)})
     line = drawn["motor_torque"]
     assert "# CHECK: " in line and "of it does not follow q-axis [A]: is it the motor's, or a sensor's behind" in line
     assert "`load_torque: {columns: ['torque \\[Nm\\]'], unit: N m, shaft: output}`" in told
-    other = tmp_path / "motor"
-    other.mkdir()
-    drawn, told = mapped(other, capsys, **{"q-axis [A]": current, "motor torque [Nm]": noisy(LOAD)})
+    drawn, told = mapped(**{"q-axis [A]": current, "motor torque [Nm]": noisy(LOAD)})
     assert "CHECK" not in drawn["motor_torque"] and "replace its line" not in told

@@ -14,6 +14,7 @@ from tests.accuracy.strangers.cases import mistaken_cases, stranger_cases
 from tests.accuracy.strangers.judge import answered
 from tests.accuracy.strangers.words import BESIDE, QUANTITY, UNITS, named, spelt, with_unit
 from tests.command_line import done, twin
+from tests.taken_columns import taken
 
 PLACES = ("[]", "()", "/", "tight", "in", ",", "_")
 
@@ -164,7 +165,7 @@ def test_the_counts_of_a_turn_are_found_by_the_speed(counts):
 def test_of_two_positions_without_a_shaft_the_one_that_goes_farther_is_the_motors():
     time, _, angle = _swing()
     numbers = {"t [s]": time, "theta_a [rad]": angle / 50.0, "theta_b [rad]": angle, "i [A]": time}
-    found = {guess.signal: guess.column for guess in guess_columns(list(numbers), numbers=numbers).signals}
+    found = taken(numbers)
     assert (found["motor_position"], found["output_position"]) == ("theta_b [rad]", "theta_a [rad]")
 
 

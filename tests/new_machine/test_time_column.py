@@ -3,23 +3,20 @@
 import numpy as np
 import pytest
 
-from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.new_machine.clock import is_uneven
 from ema_twin_sim.new_machine.columns import guess_columns
-from tests.trace_text import write_columns
 
 POINTS = np.arange(1.0, 31.0)
 SLIPS = 0.1 * 1.3**POINTS  # in uneven steps, as the load rises
 
 
 @pytest.mark.parametrize("name", ["轉差 s", "slip [s]", "轉差[s]"])
-def test_what_has_a_unit_of_time_but_goes_in_uneven_steps_is_no_clock(tmp_path, capsys, name):
+def test_what_has_a_unit_of_time_but_goes_in_uneven_steps_is_no_clock(drafted, name):
     columns = {"轉速rpm": 3600.0 - 20.0 * POINTS, name: SLIPS, "電流A": 3.0 + 0.5 * POINTS}
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "points.csv", columns)])
-    told = " ".join(capsys.readouterr().out.split())
-    assert "電流A → current in A" in told and "轉速rpm → speed in rpm" in told
-    assert "No time column was found: each row is read as an operating point" in told
-    assert "operating_points: true" in (tmp_path / "m_map.yaml").read_text()
+    draft = drafted(columns)
+    assert "電流A → current in A" in draft.said and "轉速rpm → speed in rpm" in draft.said
+    assert "No time column was found: each row is read as an operating point" in draft.said
+    assert "operating_points: true" in draft.map
 
 
 @pytest.mark.parametrize(
@@ -37,7 +34,7 @@ def test_a_unit_of_time_and_even_steps_are_a_clock(name):
 
 
 @pytest.mark.parametrize("name", ["hora [s]", "axis [ms]", "採樣ms"])
-def test_an_unknown_name_with_a_unit_of_time_is_assumed_to_be_the_clock(tmp_path, capsys, name):
+def test_an_unknown_name_with_a_unit_of_time_is_assumed_to_be_the_clock(drafted, name):
     """Uneven steps alone, as of a logger that is late at times, made operating points of a motion."""
     factor = 1e3 if "ms" in name else 1.0
     time = np.cumsum(np.random.default_rng(1).choice([0.004, 0.03, 0.012], 2000))
@@ -45,11 +42,9 @@ def test_an_unknown_name_with_a_unit_of_time_is_assumed_to_be_the_clock(tmp_path
     columns["current [A]"] = np.cos(2.0 * time)
     guesses = guess_columns(list(columns), numbers=columns)
     assert guesses.time.column == name and not guesses.of_points
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
-    told = " ".join(capsys.readouterr().out.split())
-    assert f"{name}: taken for the time by its unit alone, though its steps are uneven" in told
-    line = next(line for line in (tmp_path / "m_map.yaml").read_text().splitlines() if line.startswith("time:"))
-    assert "# CHECK: taken for the time" in line
+    draft = drafted(columns)
+    assert f"{name}: taken for the time by its unit alone, though its steps are uneven" in draft.said
+    assert "# CHECK: taken for the time" in draft.line("time")
 
 
 def test_another_column_that_is_a_clock_comes_before_an_uneven_one():

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.recording import POINTS, Recording
-from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.new_machine.torque_beside_current import counts_against, measured_behind, not_proportional, proportion
-from tests.trace_text import write_columns
 
 TIME = np.arange(3000) * 5e-3
 SPEED = 200.0 + 150.0 * np.sin(0.8 * TIME)
@@ -47,36 +45,32 @@ def test_few_rows_or_none_tell_nothing():
     assert not_proportional([none]) is None
 
 
-def drafted(tmp_path, kind, name="Torque (N·m)", current="Current (A)", **given):
-    columns = {"Time (s)": TIME, name: TORQUE, current: CURRENTS[kind], "Speed (rad/s)": SPEED}
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)], **given)
-    return (tmp_path / "m_map.yaml").read_text()
+def beside(kind, name="Torque (N·m)", current="Current (A)"):
+    return {"Time (s)": TIME, name: TORQUE, current: CURRENTS[kind], "Speed (rad/s)": SPEED}
 
 
 @pytest.mark.parametrize("kind", ["motor", "supply", "magnetising"])
-def test_the_torque_is_used_and_said_if_the_current_is_not_the_motors(tmp_path, capsys, kind):
-    drawn = drafted(tmp_path, kind)
-    told = " ".join(capsys.readouterr().out.split())
-    assert "  motor_torque: " in drawn
-    assert ("  current: " in drawn) == (kind == "motor")
-    assert ("Current (A): not used: Torque (N·m) is not proportional to it" in told) == (kind != "motor")
-    assert ("torque constant 30.0 mN m/A (torque over current" in told) == (kind == "motor")
-    line = next(line for line in drawn.splitlines() if line.startswith("  motor_torque: "))
-    assert ("# CHECK: used in place of the current, to which it is not proportional" in line) == (kind != "motor")
+def test_the_torque_is_used_and_said_if_the_current_is_not_the_motors(drafted, kind):
+    draft = drafted(beside(kind))
+    assert ("  current: " in draft.map) == (kind == "motor")
+    assert ("Current (A): not used: Torque (N·m) is not proportional to it" in draft.said) == (kind != "motor")
+    assert ("torque constant 30.0 mN m/A (torque over current" in draft.said) == (kind == "motor")
+    to_check = "# CHECK: used in place of the current, to which it is not proportional"
+    assert (to_check in draft.line("motor_torque")) == (kind != "motor")
 
 
 @pytest.mark.parametrize("name", ["load torque [N m]", "torque sensor [N m]", "brake torque [N m]", "torque"])
-def test_a_torque_named_a_load_or_without_a_unit_leaves_the_current(tmp_path, name):
-    assert "  current: " in drafted(tmp_path, "supply", name)
+def test_a_torque_named_a_load_or_without_a_unit_leaves_the_current(drafted, name):
+    assert "  current: " in drafted(beside("supply", name)).map
 
 
 @pytest.mark.parametrize("name", ["motor current [A]", "iq [A]", "I_q [A]", "Motorstrom [A]"])
-def test_a_current_named_the_motors_is_used(tmp_path, name):
-    assert "  current: " in drafted(tmp_path, "magnetising", current=name)
+def test_a_current_named_the_motors_is_used(drafted, name):
+    assert "  current: " in drafted(beside("magnetising", current=name)).map
 
 
-def test_a_given_torque_constant_leaves_the_current(tmp_path):
-    assert "  current: " in drafted(tmp_path, "supply", torque_constant=0.03)
+def test_a_given_torque_constant_leaves_the_current(drafted):
+    assert "  current: " in drafted(beside("supply"), torque_constant=0.03).map
 
 
 BOTH_WAYS = 20.0 * np.sin(3.1 * TIME) + 8.0 * np.sin(7.2 * TIME)
@@ -144,30 +138,24 @@ def test_one_that_hardly_changes_tells_nothing():
     assert not_proportional([Recording("r", STAMPS, signals)]) is None
 
 
-def dynamometer(tmp_path, torque="torque [Nm]", current="current [A]"):
+def dynamometer(torque="torque [Nm]", current="current [A]"):
     columns = {"time [s]": TIME, "position [rad]": np.cumsum(BOTH_WAYS) * 5e-3, "speed [rad/s]": BOTH_WAYS}
-    columns |= {current: noisy(driving(LOAD, BOTH_WAYS) / 0.5, 0.01), torque: noisy(LOAD, 0.01)}
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
-    return (tmp_path / "m_map.yaml").read_text().splitlines()
+    return columns | {current: noisy(driving(LOAD, BOTH_WAYS) / 0.5, 0.01), torque: noisy(LOAD, 0.01)}
 
 
 @pytest.mark.parametrize("current", ["current [A]", "motor current [A]"])
-def test_on_a_dynamometer_the_current_drives_and_the_torque_is_the_load(tmp_path, capsys, current):
+def test_on_a_dynamometer_the_current_drives_and_the_torque_is_the_load(drafted, current):
     """The current was dropped and the load's sensor taken for the drive, and nothing had to be guessed."""
-    drawn = dynamometer(tmp_path, current=current)
-    told = " ".join(capsys.readouterr().out.split())
-    assert any(line.startswith("  current: ") for line in drawn)
-    assert not any(line.startswith("  motor_torque: ") for line in drawn)
-    line = next(line for line in drawn if line.startswith("  load_torque: "))
-    assert "# CHECK: taken for the load, measured behind the machine" in line
-    assert "torque [Nm] → load_torque in N m" in told and "nothing had to be guessed" not in told
-    assert "Assumed: torque [Nm]: taken for the load" in told
+    draft = drafted(dynamometer(current=current))
+    assert "\n  current: " in draft.map and "\n  motor_torque: " not in draft.map
+    assert "# CHECK: taken for the load, measured behind the machine" in draft.line("load_torque")
+    assert "torque [Nm] → load_torque in N m" in draft.said and "nothing had to be guessed" not in draft.said
+    assert "Assumed: torque [Nm]: taken for the load" in draft.said
 
 
-def test_a_torque_named_the_motors_is_no_load(tmp_path):
-    drawn = dynamometer(tmp_path, torque="motor torque [Nm]")
-    assert any(line.startswith("  motor_torque: ") for line in drawn)
-    assert not any(line.startswith("  load_torque: ") for line in drawn)
+def test_a_torque_named_the_motors_is_no_load(drafted):
+    drawn = drafted(dynamometer(torque="motor torque [Nm]")).map
+    assert "\n  motor_torque: " in drawn and "\n  load_torque: " not in drawn
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
@@ -198,51 +186,43 @@ def test_a_torque_that_falls_as_the_current_rises_is_a_load_however_much_is_left
     assert not against(-LOAD - 5.0, np.abs(current))  # a current without sign does so under any negative torque
 
 
-def beside_its_estimate(tmp_path, sensor, names=("shaft torque [Nm]", "motor torque [Nm]"), turned_order=False):
-    """`init` on a load's sensor beside a torque that the drive computes from its current; the map's signals."""
+def beside_its_estimate(sensor, names=("shaft torque [Nm]", "motor torque [Nm]"), turned_order=False):
+    """A load's sensor beside a torque that the drive computes from its current."""
     current = np.round((driving(LOAD, BOTH_WAYS) + 0.1 * np.abs(LOAD) * np.sign(BOTH_WAYS)) / 0.5, 4)
     torques = {names[0]: sensor, names[1]: 0.5 * current}
     columns = {"time [s]": TIME, "speed [rad/s]": BOTH_WAYS, "current [A]": current}
-    columns |= dict(reversed(torques.items())) if turned_order else torques
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
-    lines = (tmp_path / "m_map.yaml").read_text().splitlines()
-    return {line.split(":")[0].strip(): line for line in lines if line.startswith("  ")}
+    return columns | (dict(reversed(torques.items())) if turned_order else torques)
 
 
 @pytest.mark.parametrize("names", [("shaft torque [Nm]", "motor torque [Nm]"), ("shaft torque", "drive's torque")])
 @pytest.mark.parametrize("turned_order", [False, True])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_of_two_torques_the_one_the_drive_computed_is_the_motors(tmp_path, capsys, names, turned_order, sign):
+def test_of_two_torques_the_one_the_drive_computed_is_the_motors(drafted, names, turned_order, sign):
     """The first column was taken for the motor's, and the sensor was dropped if it came second."""
-    drawn = beside_its_estimate(tmp_path, sign * noisy(LOAD, 0.02), names, turned_order)
-    assert names[1].split(" [")[0] in drawn["motor_torque"].replace("''", "'")
-    assert "shaft torque" in drawn["load_torque"] and "current" in drawn
-    assert "# CHECK: " in drawn["load_torque"] and "taken for the load" in drawn["load_torque"]
-    assert ("factor: -1" in drawn["load_torque"]) == (sign < 0.0)
-    told = " ".join(capsys.readouterr().out.split())
-    assert f"{names[0]} → load_torque" in told and f"Assumed: {names[0]}: taken for the load" in told
+    draft = drafted(beside_its_estimate(sign * noisy(LOAD, 0.02), names, turned_order))
+    assert names[1].split(" [")[0] in draft.line("motor_torque").replace("''", "'") and "\n  current:" in draft.map
+    for words in ("shaft torque", "# CHECK: ", "taken for the load"):
+        assert words in draft.line("load_torque")
+    assert ("factor: -1" in draft.line("load_torque")) == (sign < 0.0)
+    assert f"{names[0]} → load_torque" in draft.said and f"Assumed: {names[0]}: taken for the load" in draft.said
 
 
-def test_a_recording_without_the_sensor_does_not_hide_it(tmp_path):
+def test_a_recording_without_the_sensor_does_not_hide_it(drafted):
     current = np.round(driving(LOAD, BOTH_WAYS) / 0.5, 4)
     columns = {"time [s]": TIME, "speed [rad/s]": BOTH_WAYS, "current [A]": current, "motor torque [Nm]": 0.5 * current}
-    without = write_columns(tmp_path / "without.csv", columns)
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", {**columns, "torque [Nm]": LOAD}), without])
-    assert "load_torque: {columns: ['torque " in (tmp_path / "m_map.yaml").read_text()
+    assert "load_torque: {columns: ['torque " in drafted({**columns, "torque [Nm]": LOAD}, columns).map
 
 
-def test_a_second_torque_that_is_no_load_is_not_dropped_without_a_word(tmp_path, capsys):
-    drawn = beside_its_estimate(tmp_path, 0.3 * np.sin(0.41 * TIME + 1.0))
-    assert "load_torque" not in drawn and "motor torque" in drawn["motor_torque"]
-    told = " ".join(capsys.readouterr().out.split())
-    assert "shaft torque [Nm]: not used: motor torque [Nm] goes with current [A]" in told
+def test_a_second_torque_that_is_no_load_is_not_dropped_without_a_word(drafted):
+    draft = drafted(beside_its_estimate(0.3 * np.sin(0.41 * TIME + 1.0)))
+    assert "\n  load_torque" not in draft.map and "motor torque" in draft.line("motor_torque")
+    assert "shaft torque [Nm]: not used: motor torque [Nm] goes with current [A]" in draft.said
 
 
-def test_a_second_reading_of_the_motors_torque_is_no_load(tmp_path, capsys):
+def test_a_second_reading_of_the_motors_torque_is_no_load(drafted):
     torque = driving(LOAD, BOTH_WAYS) + 0.1 * np.abs(LOAD) * np.sign(BOTH_WAYS)
-    drawn = beside_its_estimate(tmp_path, noisy(torque, 0.01))
-    assert "load_torque" not in drawn
-    assert "shaft torque [Nm]: not used" not in " ".join(capsys.readouterr().out.split())
+    draft = drafted(beside_its_estimate(noisy(torque, 0.01)))
+    assert "\n  load_torque" not in draft.map and "shaft torque [Nm]: not used" not in draft.said
 
 
 @pytest.mark.parametrize(("current", "torque"), [(0.3, 0.25), (0.7, 1.0)])

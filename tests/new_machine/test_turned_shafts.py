@@ -5,12 +5,10 @@ import pytest
 
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import Recording
-from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.measured.consistency import inconsistencies
 from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.model import load_model
 from ema_twin_sim.new_machine.shaft import ratio_of_positions
-from tests.trace_text import write_columns
 
 TIME = np.arange(2000) * 2e-3
 ANGLE = 30.0 * (1.0 - np.cos(2.0 * TIME))
@@ -19,46 +17,44 @@ CURRENT = 0.5 * np.sign(SPEED) + 0.2 * np.cos(2.0 * TIME)
 TURN = 2.0 * np.pi
 
 
-def written(place, output, column, command=(), current=CURRENT):
-    """A trace of a motor whose output goes along ``output`` (n,) in ``column``, and perhaps follows a ``command``."""
+def geared(output, column, command=(), current=CURRENT):
+    """Columns of a motor whose output goes along ``output`` (n,) in ``column``, and perhaps follows a ``command``."""
     columns = {"time [s]": TIME, "current [A]": current, "motor position [rad]": ANGLE, column: output}
-    columns |= {"output position setpoint [rad]": command} if len(command) else {}
-    return write_columns(place, columns)
+    return columns | ({"output position setpoint [rad]": command} if len(command) else {})
+
+
+@pytest.fixture
+def read(tmp_path):
+    """The first recording as its draft reads it."""
+    return lambda: load(tmp_path / "run0.csv", import_map=tmp_path / "m_map.yaml")
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
 @pytest.mark.parametrize(("column", "size"), [("output position [rad]", 1.0), ("output position [deg]", 360.0 / TURN)])
 @pytest.mark.parametrize("gear_ratio", [None, 4.0])
-def test_an_output_that_turns_against_the_motor_is_turned_round(tmp_path, capsys, way, column, size, gear_ratio):
+def test_an_output_that_turns_against_the_motor_is_turned_round(tmp_path, drafted, read, way, column, size, gear_ratio):
     """It was only said, beside 'nothing had to be guessed', and discover refused what init had written."""
-    trace = written(tmp_path / "t.csv", way * size * ANGLE / 4.0, column)
-    init(str(tmp_path / "q"), [trace], gear_ratio=gear_ratio)
-    told = " ".join(capsys.readouterr().out.split())
-    drawn = (tmp_path / "q_map.yaml").read_text()
-    assert ("factor: -1}  # sign reversed: the output turns against the motor" in drawn) == (way < 0.0)
-    assert (f"{column} turned round" in told) == (way < 0.0)
-    recording, model = load(trace, import_map=tmp_path / "q_map.yaml"), load_model(tmp_path / "q.yaml")
+    draft = drafted(geared(way * size * ANGLE / 4.0, column), gear_ratio=gear_ratio)
+    assert ("factor: -1}  # sign reversed: the output turns against the motor" in draft.map) == (way < 0.0)
+    assert (f"{column} turned round" in draft.said) == (way < 0.0)
+    recording, model = read(), load_model(tmp_path / "m.yaml")
     assert model.value("machine.gear_ratio") == pytest.approx(4.0, rel=1e-3)
     assert recording.signals["output_position"][-1] == pytest.approx(ANGLE[-1] / 4.0, rel=1e-6)
     assert not [*inconsistencies(recording, model)]
-    assert "opposite directions" not in (tmp_path / "q.yaml").read_text() + told
+    assert "opposite directions" not in draft.model + draft.said
 
 
-def test_a_counter_is_turned_round_too(tmp_path):
-    trace = written(tmp_path / "t.csv", -np.rint(ANGLE / 4.0 / TURN * 4096.0), "output position [counts]")
-    init(str(tmp_path / "q"), [trace], gear_ratio=4.0)
-    assert "counts_per_revolution: 4096, factor: -1}" in (tmp_path / "q_map.yaml").read_text()
-    known = load(trace, import_map=tmp_path / "q_map.yaml").signals["output_position"]
-    assert known[-1] == pytest.approx(ANGLE[-1] / 4.0, abs=TURN / 4096.0)
+def test_a_counter_is_turned_round_too(drafted, read):
+    columns = geared(-np.rint(ANGLE / 4.0 / TURN * 4096.0), "output position [counts]")
+    assert "counts_per_revolution: 4096, factor: -1}" in drafted(columns, gear_ratio=4.0).map
+    assert read().signals["output_position"][-1] == pytest.approx(ANGLE[-1] / 4.0, abs=TURN / 4096.0)
 
 
-def test_its_command_goes_with_it(tmp_path):
-    trace = written(tmp_path / "t.csv", -ANGLE / 4.0, "output position [rad]", -ANGLE / 4.0)
-    init(str(tmp_path / "q"), [trace])
-    assert (tmp_path / "q_map.yaml").read_text().count("factor: -1") == 2
+def test_its_command_goes_with_it(drafted):
+    assert drafted(geared(-ANGLE / 4.0, "output position [rad]", -ANGLE / 4.0)).map.count("factor: -1") == 2
 
 
-def test_a_motion_that_comes_back_after_a_tenth_of_the_recording_tells_the_ratio(tmp_path):
+def test_a_motion_that_comes_back_after_a_tenth_of_the_recording_tells_the_ratio():
     """Over a whole period the shafts go nowhere, and what the teeth leave between them would be all."""
     periods = 2.0 * np.pi * 10.0 * TIME / (TIME[-1] + TIME[1])
     motor = 5.0 * np.sin(periods)
@@ -82,15 +78,12 @@ def test_a_motion_that_comes_back_after_a_tenth_of_the_recording_tells_the_ratio
     ],
     ids=["as recorded", "turned", "undecided"],
 )
-def test_the_sign_of_the_current_is_found_or_assumed(tmp_path, capsys, current, told, factor):
+def test_the_sign_of_the_current_is_found_or_assumed(tmp_path, drafted, read, current, told, factor):
     """Nothing was said of it, and discover refused a map that init had just written."""
-    trace = written(tmp_path / "t.csv", ANGLE / 4.0, "output position [rad]", current=current)
-    init(str(tmp_path / "q"), [trace])
-    printed = capsys.readouterr()
-    assert told in " ".join(f"{printed.out} {printed.err}".split())
-    read = load(trace, import_map=tmp_path / "q_map.yaml")
-    assert read.signals["current"][100:200] == pytest.approx(factor * current[100:200], abs=1e-6)
-    (own,), model = to_own_units([read], load_model(tmp_path / "q.yaml"))
+    draft = drafted(geared(ANGLE / 4.0, "output position [rad]", current=current))
+    assert told in draft.told
+    assert read().signals["current"][100:200] == pytest.approx(factor * current[100:200], abs=1e-6)
+    (own,), model = to_own_units([read()], load_model(tmp_path / "m.yaml"))
     assert not [*inconsistencies(own, model)]
 
 
@@ -106,13 +99,9 @@ HOIST = 5.0 + 0.4 * np.sign(SPEED) + 0.02 * np.sin(900.0 * TIME)
     ],
     ids=["as recorded", "turned", "without friction"],
 )
-def test_a_hoists_friction_tells_the_sign_though_its_load_is_twelve_times_as_large(
-    tmp_path, capsys, current, told, factor
-):
-    init(str(tmp_path / "q"), [written(tmp_path / "t.csv", ANGLE / 4.0, "output position [rad]", current=current)])
-    printed = capsys.readouterr()
-    assert told in " ".join(f"{printed.out} {printed.err}".split())
-    assert ("factor: -1" in (tmp_path / "q_map.yaml").read_text()) == (factor < 0.0)
+def test_a_hoists_friction_tells_the_sign_though_its_load_is_twelve_times_as_large(drafted, current, told, factor):
+    draft = drafted(geared(ANGLE / 4.0, "output position [rad]", current=current))
+    assert told in draft.told and ("factor: -1" in draft.map) == (factor < 0.0)
 
 
 UNTOLD = 0.1 * np.sin(40.0 * TIME)
@@ -125,18 +114,13 @@ UNTOLD = 0.1 * np.sin(40.0 * TIME)
         ((UNTOLD, -CURRENT), "current [A]: as recorded, it acts against the motion, so its sign is reversed", -1.0),
         (
             (CURRENT, -CURRENT, UNTOLD),
-            "current [A]: positive drives forwards, though it acts against the motion in t1 (1 of 2 recordings",
+            "current [A]: positive drives forwards, though it acts against the motion in run1 (1 of 2 recordings",
             1.0,
         ),
     ],
     ids=["as recorded", "turned", "contradictory"],
 )
-def test_all_recordings_are_asked_for_the_sign_of_the_current(tmp_path, capsys, currents, told, factor):
+def test_all_recordings_are_asked_for_the_sign_of_the_current(drafted, currents, told, factor):
     """Only the one with the longest motion was asked, here the first, and discover refused the others."""
-    traces = []
-    for k, current in enumerate(currents):
-        traces.append(written(tmp_path / f"t{k}.csv", ANGLE / 4.0, "output position [rad]", current=current))
-    init(str(tmp_path / "q"), traces)
-    printed = capsys.readouterr()
-    assert told in " ".join(f"{printed.out} {printed.err}".split())
-    assert ("factor: -1" in (tmp_path / "q_map.yaml").read_text()) == (factor < 0.0)
+    draft = drafted(*(geared(ANGLE / 4.0, "output position [rad]", current=current) for current in currents))
+    assert told in draft.told and ("factor: -1" in draft.map) == (factor < 0.0)

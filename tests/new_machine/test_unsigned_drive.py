@@ -9,7 +9,6 @@ import pytest
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import KIND, Recording
-from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.model import load_model
 from ema_twin_sim.model.matching import matched
 from ema_twin_sim.new_machine.columns import guess_columns
@@ -135,59 +134,51 @@ def test_single_negative_samples_are_noise_and_two_in_a_row_are_a_sign():
     assert not unsigned_signals([recorded(SPEEDS["sines"], drive)])
 
 
-def test_init_says_so_of_files_of_one_way_each(tmp_path, capsys):
-    traces = []
+def test_init_says_so_of_files_of_one_way_each(drafted):
+    runs = []
     for way in (1, -1):
         run = one_way(way, np.abs)
         values = run.signals["current"].copy()
         values[700] = -0.1
-        rows = "\n".join(
-            f"{t:.6g},{q:.6g},{i:.6g}" for t, q, i in zip(run.time, run.signals["motor_position"], values, strict=True)
-        )
-        traces.append(tmp_path / f"run{way}.csv")
-        traces[-1].write_text(f"time [s],angle [rad],current [A]\n{rows}\n")
-    init(str(tmp_path / "m"), traces, torque_constant=0.05)
-    warned = " ".join(capsys.readouterr().err.split())
-    assert "current [A]: never negative but for single samples, so it looks like a magnitude" in warned
-    assert "magnitude: true" in (tmp_path / "m_map.yaml").read_text()
+        runs.append({"time [s]": run.time, "angle [rad]": run.signals["motor_position"], "current [A]": values})
+    draft = drafted(*runs, torque_constant=0.05)
+    assert "current [A]: never negative but for single samples, so it looks like a magnitude" in draft.warned
+    assert "magnitude: true" in draft.map
 
 
-def written(place, name, drive, speed=SPEEDS["sines"]):
-    rows = "\n".join(f"{t:.6g},{v:.6g},{i:.6g}" for t, v, i in zip(TIME, speed, drive, strict=True))
-    place.write_text(f"time [s],motor speed [rad/s],{name}\n{rows}\n")
-    return place
+def sines(name, drive):
+    return {"time [s]": TIME, "motor speed [rad/s]": SPEEDS["sines"], name: drive}
+
+
+@pytest.fixture
+def read(tmp_path):
+    """The recording as its draft reads it."""
+    return lambda: load(tmp_path / "run0.csv", import_map=tmp_path / "m_map.yaml")
 
 
 @pytest.mark.parametrize("name", ["current [A]", "supply current [A]", "I_dc [A]", "bus current [A]"])
-def test_init_reads_it_as_a_magnitude_whatever_its_name(tmp_path, capsys, name):
-    trace = written(tmp_path / "trace.csv", name, np.abs(current(SPEEDS["sines"], 0.0, 0.5)))
-    init(str(tmp_path / "m"), [trace], torque_constant=0.05)
-    shown = capsys.readouterr()
-    told, warned = (" ".join(text.split()) for text in (shown.out, shown.err))
-    assert warned.count(f"{name}: never negative, so it looks like a magnitude without sign") == 1
-    assert "positive drives forwards" not in told and "ema-twin discover" not in told
-    assert f"{name} has no sign, so no twin can be driven: only the health can be judged" in told
-    assert "magnitude: true" in (tmp_path / "m_map.yaml").read_text()
-    assert load(trace, import_map=tmp_path / "m_map.yaml").metadata[f"current{KIND}"] == "magnitude"
+def test_init_reads_it_as_a_magnitude_whatever_its_name(tmp_path, drafted, read, name):
+    draft = drafted(sines(name, np.abs(current(SPEEDS["sines"], 0.0, 0.5))), torque_constant=0.05)
+    assert draft.warned.count(f"{name}: never negative, so it looks like a magnitude without sign") == 1
+    assert "positive drives forwards" not in draft.said and "ema-twin discover" not in draft.said
+    assert f"{name} has no sign, so no twin can be driven: only the health can be judged" in draft.said
+    assert "magnitude: true" in draft.map
+    assert read().metadata[f"current{KIND}"] == "magnitude"
     load_model(tmp_path / "m.yaml")
 
 
-def test_a_twin_is_refused_for_the_missing_sign_and_not_for_a_missing_column(tmp_path, capsys):
+def test_a_twin_is_refused_for_the_missing_sign_and_not_for_a_missing_column(tmp_path, drafted, read):
     """It said to map a column as current, which the map did."""
-    drive = np.abs(current(SPEEDS["sines"], 0.0, 0.5))
-    trace = written(tmp_path / "trace.csv", "current [A]", drive)
-    init(str(tmp_path / "m"), [trace])
-    capsys.readouterr()
+    drafted(sines("current [A]", np.abs(current(SPEEDS["sines"], 0.0, 0.5))))
     model = load_model(tmp_path / "m.yaml")
-    recording = matched(load(trace, import_map=tmp_path / "m_map.yaml"), model)
+    recording = matched(read(), model)
     with pytest.raises(InputError, match=r"reads current as a magnitude\. .*take `magnitude: true` out") as refused:
         choose_input(recording, model)
     assert "Map a column" not in str(refused.value)
 
 
-def test_a_supply_current_that_has_a_sign_is_not_the_motors(tmp_path):
-    init(str(tmp_path / "m"), [written(tmp_path / "t.csv", "supply current [A]", current(SPEEDS["sines"], 0.0, 0.5))])
-    assert "  current:" not in (tmp_path / "m_map.yaml").read_text()
+def test_a_supply_current_that_has_a_sign_is_not_the_motors(drafted):
+    assert "  current:" not in drafted(sines("supply current [A]", current(SPEEDS["sines"], 0.0, 0.5))).map
 
 
 def test_a_motor_current_goes_before_that_of_the_supply():

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.load import load
-from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.new_machine.wrap_period import wrap_period
-from tests.trace_text import write_columns
 
 TIME = np.arange(4000) * 5e-3
 SPEED = 30.0 * np.sin(1.1 * TIME) + 8.0 * np.sin(3.2 * TIME)
@@ -63,14 +61,16 @@ def test_what_is_no_new_start_is_left_as_it_is(kind):
     assert wrap_period(NO_STARTS[kind]) is None
 
 
-def drafted(tmp_path, capsys, name, values, **more):
-    columns = {"time [s]": TIME, name: values, **more, "motor torque [Nm]": TORQUE}
-    file = write_columns(tmp_path / "run.csv", columns)
-    init(str(tmp_path / "m"), [file])
-    told = " ".join(capsys.readouterr().out.split())
-    lines = (tmp_path / "m_map.yaml").read_text().splitlines()
-    line = next(line for line in lines if line.startswith("  motor_position:"))
-    return line, told, load(file, import_map=tmp_path / "m_map.yaml").signals["motor_position"]
+@pytest.fixture
+def positioned(drafted, tmp_path):
+    """The line of the map of a position (n,), what is said, and the position as it is read."""
+
+    def of(name, values, **more):
+        draft = drafted({"time [s]": TIME, name: values, **more, "motor torque [Nm]": TORQUE})
+        read = load(tmp_path / "run0.csv", import_map=tmp_path / "m_map.yaml")
+        return draft.line("motor_position"), draft.said, read.signals["motor_position"]
+
+    return of
 
 
 @pytest.mark.parametrize(
@@ -81,28 +81,28 @@ def drafted(tmp_path, capsys, name, values, **more):
         ("position [deg]", wrapped(np.rad2deg(WAY), 1440.0), "{value: 1440, unit: deg}"),
     ],
 )
-def test_init_writes_the_period_into_the_map_and_says_so(tmp_path, capsys, name, values, period):
+def test_init_writes_the_period_into_the_map_and_says_so(positioned, name, values, period):
     """The jumps were taken for motion, or the position dropped."""
-    line, told, read = drafted(tmp_path, capsys, name, values)
+    line, told, read = positioned(name, values)
     assert f"wraps_after: {period}" in line and "# CHECK: its jumps are those of a position that starts again" in line
     assert f"Assumed: {name}: starts again after" in told
     assert read == pytest.approx(WAY - WAY[0], abs=1e-3)
 
 
-def test_beside_a_speed_the_position_is_kept(tmp_path, capsys):
+def test_beside_a_speed_the_position_is_kept(positioned):
     """It was not used, since in many rows it jumped farther than the speed goes."""
-    line, told, read = drafted(tmp_path, capsys, "position [rad]", wrapped(WAY, 25.0), **{"speed [rad/s]": SPEED})
+    line, told, read = positioned("position [rad]", wrapped(WAY, 25.0), **{"speed [rad/s]": SPEED})
     assert "wraps_after: {value: 25, unit: rad}" in line and "not used" not in told
     assert read == pytest.approx(WAY - WAY[0], abs=1e-3)
 
 
-def test_without_a_unit_the_speed_tells_it(tmp_path, capsys):
+def test_without_a_unit_the_speed_tells_it(positioned):
     values = wrapped(np.rad2deg(WAY), 1440.0)
-    line, _, read = drafted(tmp_path, capsys, "position", values, **{"speed [rad/s]": SPEED})
+    line, _, read = positioned("position", values, **{"speed [rad/s]": SPEED})
     assert "unit: deg, wraps_after: {value: 1440, unit: deg}" in line
     assert read == pytest.approx(WAY - WAY[0], abs=1e-3)
 
 
-def test_one_turn_needs_no_key(tmp_path, capsys):
-    line, told, read = drafted(tmp_path, capsys, "position [rad]", wrapped(WAY, TURN))
+def test_one_turn_needs_no_key(positioned):
+    line, told, read = positioned("position [rad]", wrapped(WAY, TURN))
     assert "wraps_after" not in line + told and read == pytest.approx(WAY - WAY[0], abs=1e-3)

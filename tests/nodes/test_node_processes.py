@@ -3,6 +3,7 @@
 import re
 import signal
 import threading
+from importlib import import_module
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
@@ -148,29 +149,51 @@ def test_live_attaches_to_a_bench_that_is_running(start, trace):
     assert live.name == trace.stem
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("module", "parameters", "expected"),
-    [
-        (TWIN, ["model:=polito_bnech"], ["polito_bnech", "polito_bench"]),
-        (TWIN, ["input:=voltage"], ["twin: parameter input", "one of auto, setpoint, current, standalone"]),
-        (TWIN, ["effects.backlash.width:=-1.0"], ["effects.backlash.width", "0 to"]),
-        (TWIN, ["effects.backlash.widht:=0.1"], ["effects.backlash.widht", "did you mean 'effects.backlash.width'"]),
-        (TWIN, ["input:=standalone", "command:=ramp"], ["command 'ramp'", "rad/s"]),
-        (MONITOR, ["window:=wide"], ["monitor: parameter window", "a number", "0.01 to 60 s"]),
-        (REPLAY, [], ["replay: parameter recording", "give recording:=FILE"]),
-        (REPLAY, ["recording:=none.mcap"], ["none.mcap", "no such file"]),
-        (REPLAY, ["recording:=TRACE", "start:=30.0"], ["30 s is not within the recording"]),
-        (REPLAY, ["recording:=TRACE", "rate:=-1.0"], ["replay: parameter rate", "0 to 1000"]),
-        (RECORD, [], ["record: parameter output", "give output:=FOLDER"]),
-        (RECORD, ["output:=/proc/bag"], ["/proc/bag", "cannot be written"]),
+REFUSED = {
+    TWIN: [
+        (["model:=polito_bnech"], ["polito_bnech", "polito_bench"]),
+        (["input:=voltage"], ["twin: parameter input", "one of auto, setpoint, current, standalone"]),
+        (["effects.backlash.width:=-1.0"], ["effects.backlash.width", "0 to"]),
+        (["effects.backlash.widht:=0.1"], ["effects.backlash.widht", "did you mean 'effects.backlash.width'"]),
+        (["input:=standalone", "command:=ramp"], ["command 'ramp'", "rad/s"]),
     ],
-)
-def test_what_a_node_cannot_do_is_one_line_and_status_2(start, trace, module, parameters, expected):
-    process = start(module, *[parameter.replace("TRACE", str(trace)) for parameter in parameters])
-    error = process.communicate(timeout=ENDING)[1]
-    assert process.returncode == 2
+    MONITOR: [(["window:=wide"], ["monitor: parameter window", "a number", "0.01 to 60 s"])],
+    REPLAY: [
+        ([], ["replay: parameter recording", "give recording:=FILE"]),
+        (["recording:=none.mcap"], ["none.mcap", "no such file"]),
+        (["recording:=TRACE", "start:=30.0"], ["30 s is not within the recording"]),
+        (["recording:=TRACE", "rate:=-1.0"], ["replay: parameter rate", "0 to 1000"]),
+    ],
+    RECORD: [
+        ([], ["record: parameter output", "give output:=FOLDER"]),
+        (["output:=/proc/bag"], ["/proc/bag", "cannot be written"]),
+    ],
+}
+"""Of each node: parameters, and what the one line must hold."""
+
+
+def is_one_line(error, expected):
     lines = error.strip().splitlines()
     assert len(lines) == 1, error
     for part in expected:
         assert part in lines[0]
+
+
+@pytest.mark.parametrize(
+    ("module", "parameters", "expected"), [(module, *case) for module, cases in REFUSED.items() for case in cases]
+)
+def test_what_a_node_cannot_do_is_one_line_and_status_2(trace, module, parameters, expected, monkeypatch, capfd):
+    """By what its process runs, in this one."""
+    given = [word for parameter in parameters for word in ("-p", parameter.replace("TRACE", str(trace)))]
+    monkeypatch.setattr("sys.argv", [module, "--ros-args", *given])
+    assert import_module(module).main() == 2
+    is_one_line(capfd.readouterr().err, expected)
+
+
+@pytest.mark.slow
+def test_so_does_each_as_a_process(start):
+    refused = {module: (start(module, *cases[0][0]), cases[0][1]) for module, cases in REFUSED.items()}
+    for process, expected in refused.values():
+        error = process.communicate(timeout=ENDING)[1]
+        assert process.returncode == 2
+        is_one_line(error, expected)
