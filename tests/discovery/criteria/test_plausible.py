@@ -146,6 +146,14 @@ class TestInsignificant:
             h = a_hypothesis(model, "torque_constant_error", torque_constant_error={"scale": scale})
             assert sure(h, monkeypatch, {}) == (None if stays else "torque_constant_error")
 
+    @pytest.mark.parametrize(
+        ("scale", "error", "there"), [(1.45, 0.04, True), (1.45, 0.06, False), (0.55, 0.06, False), (1.35, 0.3, True)]
+    )
+    def test_so_does_one_that_is_as_far_off_within_its_error(self, scale, error, there, stock, monkeypatch):
+        h = a_hypothesis(stock, "torque_constant_error", torque_constant_error={"scale": scale})
+        found = sure(h, monkeypatch, {"effects.torque_constant_error.scale": error})
+        assert found == (None if there else "torque_constant_error")
+
     def test_nor_what_every_machine_has_beside_a_basis(self, stock, monkeypatch):
         bare = stock.without_effect("viscous_friction")
         h = a_hypothesis(bare, "viscous_friction")

@@ -13,7 +13,17 @@ from functools import cache
 
 import numpy as np
 
-from ...criteria import COST_PARAMETER, DEPENDS, LEAST_SIZE, LIKELY, SIGNIFICANT, STRAINED_BESIDE, STRAINED_TOGETHER
+from ...criteria import (
+    COST_PARAMETER,
+    DEPENDS,
+    LEAST_SIZE,
+    LIKELY,
+    NEGLIGIBLE,
+    PART,
+    SIGNIFICANT,
+    STRAINED_BESIDE,
+    STRAINED_TOGETHER,
+)
 from ...effects import NOTHING_KNOWN, Effect, Parameter, Trait, catalogue, effects_with
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit, prior_rows
@@ -66,7 +76,8 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
       noise is left there.
     * Effects that show only in constants off their file are exempt: how far these were off was the effect's gain. So
       are effects that every machine has, in the presence of a generic basis, which fits anything.
-    * With known constants no factor may end on a bound of what is possible: the data ask for more than any machine has.
+    * With known constants no factor may end on a bound of what is possible, or within its error of one: the data ask
+      for more than any machine has.
     * With open constants no shape may end on its bound, no share may be one that its effect's file calls impossible
       for any machine, an effect over a shaft angle must show away from standstill, and no friction may take the place
       of the machine's dry friction.
@@ -93,13 +104,14 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
         ):
             yield name
             continue
-        if not f.hypothesis.base.is_open and _size_on_bound(size, instance.parameters[size.name]):
+        at = f"effects.{name}.{size.name}"
+        error = math.sqrt(max(float(spread[k, k]), 0.0)) if (k := _place(paths, at)) is not None else 0.0
+        if not f.hypothesis.base.is_open and _size_on_bound(size, instance.parameters[size.name], error):
             yield name
             continue
         if f.hypothesis.generic_bases and is_lacked(f.hypothesis, effect.id):
             continue
-        if effect.depends_on not in NOTHING_ELSE and f"effects.{name}.{size.name}" in paths:
-            k = paths.index(f"effects.{name}.{size.name}")
+        if effect.depends_on not in NOTHING_ELSE and k is not None:
             others = [i for i, path in enumerate(paths) if path.startswith(f"effects.{name}.") and i != k]
             shape = others if size.neutral is not None else []
             with_shape = spread[k, shape]
@@ -147,10 +159,21 @@ def _shape_on_bound(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     )
 
 
-def _size_on_bound(size: Parameter, value: float) -> bool:
-    """Whether a size that is neutral in between (a torque constant over its nominal one) is as far off as it may be."""
-    between = size.neutral is not None and size.lower < size.neutral < size.upper
-    return between and reached_bound(value, size.lower, size.upper, math.inf, abs(value)) is not None
+def _place(paths: Sequence[str], path: str) -> int | None:
+    """Where a number stands among the free ones; None if it is held."""
+    return paths.index(path) if path in paths else None
+
+
+def _size_on_bound(size: Parameter, value: float, error: float) -> bool:
+    """Whether a size that is neutral in between (a torque constant over its nominal one) is as far off as it may be.
+
+    A bound within its standard ``error`` counts as reached, if it is near.
+    """
+    if size.neutral is None or not size.lower < size.neutral < size.upper:
+        return False
+    bound = size.upper if value > size.neutral else size.lower
+    near = min(max(error, NEGLIGIBLE * abs(bound)), PART * abs(bound - size.neutral))
+    return math.isfinite(bound) and abs(bound - value) <= near
 
 
 def _never_possible(effect: Effect, parameters: Mapping[str, float]) -> bool:
