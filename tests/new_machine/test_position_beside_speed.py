@@ -172,3 +172,16 @@ def test_what_goes_elsewhere_between_its_jumps_has_nothing_in_common(name):
     jumps[placed(0.04)] = 1e3 * np.random.default_rng(9).normal(size=80)
     position = 60.0 * np.roll(NOISE, 700) + jumps
     assert "nothing in common" in unlike_speed([recorded(SPEEDS[name], position)])
+
+
+@pytest.mark.parametrize(("unit", "per_second"), [("rad", "rad/s"), ("m", "m/s")])
+def test_a_factor_between_both_is_told_of_a_shaft_and_of_a_carriage(unit, per_second, drafted):
+    """A time of twice the length: a shaft may have a gear of that ratio, a carriage has none."""
+    speed = SPEEDS["both ways"]
+    torque = {"rad": "torque [N m]", "m": "force [N]"}[unit]
+    run = {f"position [{unit}]": 0.5 * way(speed), f"speed [{per_second}]": speed, torque: np.sign(speed)}
+    asked = {"rad": "without a gear a unit, or the time, is wrong by that factor", "m": "Are the units of both right?"}
+    draft = drafted({"time [s]": TIME, **run})
+    assert "changes 0.5 times as much as the integral of the speed" in draft.map and asked[unit] in draft.map
+    right = drafted({"time [s]": TIME, **run, f"position [{unit}]": way(speed)})
+    assert "times as much as the integral" not in right.map

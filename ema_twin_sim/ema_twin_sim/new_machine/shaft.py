@@ -59,7 +59,7 @@ class Shaft:
 def position_shaft(recording: Recording, gear_ratio: float | None, *, units_known: bool) -> Shaft:
     """The shaft of a recording's motor position, read as the motor's; ``gear_ratio`` is the one given, if any."""
     if recording.motion != "rotary" or recording.of_points:
-        return Shaft()
+        return Shaft(doubt=_of_a_carriage(recording) if units_known and not recording.of_points else "")
     between = ratio_of_positions(recording)
     alike = between is not None and abs(between - 1.0) < ALIKE
     times = way_by_speed(recording) if units_known else None
@@ -69,14 +69,25 @@ def position_shaft(recording: Recording, gear_ratio: float | None, *, units_know
         return Shaft()
     if abs(abs(times) - 1.0) < OWN:
         return Shaft()
-    told = f"the position changes {abs(times):.4g} times as much as the integral of the speed"
+    told = _told(times)
     ratio = 1.0 / abs(times)
     if gear_ratio is not None and abs(ratio / gear_ratio - 1.0) > SAME_RATIO:
         return Shaft(doubt=f"{told}; expected 1 or 1 / gear ratio. Are the units right?")
     strange = ratio < 1.0 or not is_possible(ratio) or is_usual_mistake(times)
     if gear_ratio is None and not alike and strange:
         return Shaft(doubt=f"{told}. Are the units of both right?")
-    return Shaft("output", gear_ratio or ratio, f"{told}: assumed to be the output's angle")
+    else_wrong = "" if gear_ratio else " (without a gear a unit, or the time, is wrong by that factor)"
+    return Shaft("output", gear_ratio or ratio, f"{told}: assumed to be the output's angle{else_wrong}")
+
+
+def _told(times: float) -> str:
+    return f"the position changes {abs(times):.4g} times as much as the integral of the speed"
+
+
+def _of_a_carriage(recording: Recording) -> str:
+    """What to check of a carriage's position beside its speed, between which there is no gear."""
+    times = way_by_speed(recording)
+    return "" if times is None or abs(abs(times) - 1.0) < OWN else f"{_told(times)}. Are the units of both right?"
 
 
 def too_slow_for_a_motor(recordings: Sequence[Recording], gear_ratio: float | None) -> str:
