@@ -20,7 +20,15 @@ COMPARES = SimpleNamespace(compares_with=lambda other: True)
 
 
 def a_problem(
-    *torque_rows, encoder_rows=(), calm=None, after_impact=None, noise=0.01, reading=0.0, torque=0.1, coarse=False
+    *torque_rows,
+    encoder_rows=(),
+    calm=None,
+    after_impact=None,
+    noise=0.01,
+    reading=0.0,
+    torque=0.1,
+    coarse=False,
+    of_points=False,
 ):
     """Recordings of so many rows of torque, one after another, and then those of the encoders."""
     edges = np.cumsum([0, *torque_rows, *encoder_rows])
@@ -28,7 +36,7 @@ def a_problem(
     held = [
         SimpleNamespace(
             name=f"recording {k}",
-            of_points=False,
+            of_points=of_points,
             below_shock_limit=np.ones(rows, bool) if calm is None else calm,
             after_impact=np.zeros(rows, bool) if after_impact is None else after_impact,
             rows=np.arange(rows),

@@ -48,7 +48,7 @@ def many(tmp_path_factory, traces):
     return [shutil.copy(trace, folder / f"{copy}_{trace.name}") for copy in range(6) for trace in traces]
 
 
-@pytest.mark.parametrize("seconds", [0.1, 0.5, 1.5, 3.0])
+@pytest.mark.parametrize("seconds", [0.1, 0.5, 1.5, pytest.param(3.0, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("verb", ["discover", "live"])
 def test_an_interrupt_is_one_line_at_any_moment(tmp_path, traces, many, verb, seconds):
     given = (*many, "-o", tmp_path / "new.yaml") if verb == "discover" else (traces[0], "--headless")

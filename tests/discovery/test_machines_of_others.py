@@ -79,8 +79,8 @@ def test_one_direction_is_friction_and_a_reversal_is_asked_for(known, with_coulo
     [
         ({"torque_constant": 10.6956}, True),
         ({"torque_constant": 10.6956}, False),
-        ({"gear_ratio": 101.0, "torque_constant": 0.105897}, False),
-        ({"gear_ratio": 101.0, "torque_constant": 10.6956}, True),
+        pytest.param({"gear_ratio": 101.0, "torque_constant": 0.105897}, False, marks=pytest.mark.slow),
+        pytest.param({"gear_ratio": 101.0, "torque_constant": 10.6956}, True, marks=pytest.mark.slow),
     ],
 )
 def test_a_robots_joint_has_gravity_and_friction_that_follows_load(known, with_friction, machines, tmp_path):

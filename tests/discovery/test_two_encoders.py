@@ -336,7 +336,7 @@ def test_a_motor_that_is_never_known_is_refused(tmp_path):
             asked()
 
 
-@pytest.mark.parametrize("kind", ["late", "nothing"])
+@pytest.mark.parametrize("kind", [pytest.param("late", marks=pytest.mark.slow), "nothing"])
 def test_without_play_or_a_spring_friction_stays_as_it_was_given(kind, discovered):
     _, model, found = discovered(kind, 12.0)
     assert found.model.constants == model.constants
@@ -360,6 +360,7 @@ def test_what_a_file_knows_stays_beside_play(tmp_path):
     assert {name: found.model.effects[name] for name in file.effects} == file.effects
 
 
+@pytest.mark.slow
 def test_how_stiff_teeth_are_is_not_told_as_fitted(discovered):
     _, model, answer = discovered("play", 1.0)
     found = answer.model

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from ema_bench_replay.load import load
 from ema_twin_sim.commands.init import run as init
 from tests.trace_text import write_columns
 
@@ -42,3 +43,9 @@ def drafted(tmp_path, capsys):
         return Draft(" ".join(shown.out.split()), " ".join(shown.err.split()), *texts)
 
     return draft
+
+
+@pytest.fixture
+def read(tmp_path):
+    """The first recording that was drafted, as its map reads it."""
+    return lambda: load(tmp_path / "run0.csv", import_map=tmp_path / "m_map.yaml")

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from ema_bench_replay.load import load
 from ema_twin_sim.new_machine.columns import guess_columns
 from tests.taken_columns import taken
 
@@ -20,14 +19,13 @@ CURRENTS = ["iq_ref", "i_cmd", "current setpoint [A]", "Iq*"]
 @pytest.mark.parametrize(
     ("name", "signal"), [*((name, "motor_torque") for name in TORQUES), *((name, "current") for name in CURRENTS)]
 )
-def test_a_command_alone_is_used_said_and_marked(tmp_path, drafted, name, signal):
+def test_a_command_alone_is_used_said_and_marked(drafted, read, name, signal):
     draft = drafted({"time [s]": TIME, "angle [rad]": ANGLE, "speed [rad/s]": SPEED, name: DRIVE})
     assert f"{name} → {signal}" in draft.said and ", a command" in draft.said
     assert f"Assumed: {name}: a command, which the drive is assumed to follow" in draft.said
     assert "No current or torque was found" not in draft.said and "sign of" in draft.said
     assert "# CHECK: " in draft.line(signal) and "a command: the drive is assumed to follow it" in draft.line(signal)
-    read = load(tmp_path / "run0.csv", import_map=tmp_path / "m_map.yaml")
-    assert read.signals[signal] == pytest.approx(DRIVE, abs=1e-6)
+    assert read().signals[signal] == pytest.approx(DRIVE, abs=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from ema_bench_replay.load import load
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.measured.consistency import inconsistencies
 from ema_twin_sim.measured.scales import to_own_units
@@ -21,12 +20,6 @@ def geared(output, column, command=(), current=CURRENT):
     """Columns of a motor whose output goes along ``output`` (n,) in ``column``, and perhaps follows a ``command``."""
     columns = {"time [s]": TIME, "current [A]": current, "motor position [rad]": ANGLE, column: output}
     return columns | ({"output position setpoint [rad]": command} if len(command) else {})
-
-
-@pytest.fixture
-def read(tmp_path):
-    """The first recording as its draft reads it."""
-    return lambda: load(tmp_path / "run0.csv", import_map=tmp_path / "m_map.yaml")
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])

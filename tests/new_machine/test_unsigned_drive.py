@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.load import load
 from ema_bench_replay.recording import KIND, Recording
 from ema_twin_sim.model import load_model
 from ema_twin_sim.model.matching import matched
@@ -148,12 +147,6 @@ def test_init_says_so_of_files_of_one_way_each(drafted):
 
 def sines(name, drive):
     return {"time [s]": TIME, "motor speed [rad/s]": SPEEDS["sines"], name: drive}
-
-
-@pytest.fixture
-def read(tmp_path):
-    """The recording as its draft reads it."""
-    return lambda: load(tmp_path / "run0.csv", import_map=tmp_path / "m_map.yaml")
 
 
 @pytest.mark.parametrize("name", ["current [A]", "supply current [A]", "I_dc [A]", "bus current [A]"])

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from ema_bench_replay.load import load
 from ema_twin_sim.new_machine.wrap_period import wrap_period
 
 TIME = np.arange(4000) * 5e-3
@@ -62,13 +61,12 @@ def test_what_is_no_new_start_is_left_as_it_is(kind):
 
 
 @pytest.fixture
-def positioned(drafted, tmp_path):
+def positioned(drafted, read):
     """The line of the map of a position (n,), what is said, and the position as it is read."""
 
     def of(name, values, **more):
         draft = drafted({"time [s]": TIME, name: values, **more, "motor torque [Nm]": TORQUE})
-        read = load(tmp_path / "run0.csv", import_map=tmp_path / "m_map.yaml")
-        return draft.line("motor_position"), draft.said, read.signals["motor_position"]
+        return draft.line("motor_position"), draft.said, read().signals["motor_position"]
 
     return of
 

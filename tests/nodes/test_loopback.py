@@ -1,5 +1,6 @@
 """The nodes are heard on this machine alone, unless ROS's own variable opens them to the network."""
 
+import json
 import os
 import subprocess
 import sys
@@ -41,36 +42,64 @@ def test_the_profile_names_no_other_address():
 
 
 WITH_A_PROFILE = """
+import json
+import os
+import signal
 import sys
 from pathlib import Path
-from ema_bench_replay.nodes import loopback
-loopback.LOOPBACK = Path(sys.argv.pop(1))
-from ema_twin_sim.nodes.live import run_live
-from ema_twin_sim.nodes import monitor
-from ema_twin_sim.model import load_model
+
 from ema_bench_replay.errors import InputError
-if sys.argv.pop(1) == "node":
-    sys.exit(monitor.main())
-try:
-    run_live(None, load_model("polito_bench"), on_start=lambda node: sys.exit(0))
-except InputError as error:
-    print(error, file=sys.stderr)
-    sys.exit(2)
+from ema_bench_replay.nodes import loopback
+from ema_twin_sim.model import load_model
+from ema_twin_sim.nodes import monitor
+from ema_twin_sim.nodes.live import run_live
+
+def become(what):
+    if what == "node":
+        sys.exit(monitor.main())
+    try:
+        run_live(None, load_model("polito_bench"), on_start=lambda node: sys.exit(0))
+    except InputError as error:
+        print(error, file=sys.stderr)
+        sys.exit(2)
+
+for order in sys.stdin:
+    profile, what = json.loads(order)
+    ours, theirs = os.pipe()
+    child = os.fork()
+    if not child:
+        os.dup2(theirs, 2)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # where answers are given, Fast DDS writes too
+        os.close(ours)
+        loopback.LOOPBACK = Path(profile)
+        become(what)
+        sys.exit()
+    os.close(theirs)
+    said = []
+    with os.fdopen(ours) as stream:
+        for line in stream:
+            said.append(line)
+            if "compares" in line:
+                os.kill(child, signal.SIGTERM)
+    print(json.dumps([os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), said]), flush=True)
 """
+"""Gives each order to a child of its own: libraries are read once."""
 
 
-def started_with(profile, what):
-    """What the monitor, or a live run, does with this profile in the place of ours."""
+@pytest.fixture(scope="class")
+def started_with():
+    """What the monitor, or a live run, does with a profile in the place of ours."""
     process = subprocess.Popen(
-        [*ALONE, sys.executable, "-c", WITH_A_PROFILE, profile, what], stderr=subprocess.PIPE, text=True,
+        [*ALONE, sys.executable, "-c", WITH_A_PROFILE], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
         env={name: value for name, value in os.environ.items() if name not in (RANGE, *PROFILES)},
     )  # fmt: skip
-    said = []
-    for line in process.stderr:
-        said.append(line)
-        if "compares" in line:
-            process.terminate()
-    return process.wait(), said
+
+    def order(profile, what):
+        print(json.dumps([str(profile), what]), file=process.stdin, flush=True)
+        return json.loads(process.stdout.readline())
+
+    yield order
+    process.communicate()
 
 
 @needs_own_network
@@ -79,25 +108,24 @@ class TestProfileThatIsNotTaken:
     """Fast DDS goes on with sockets on every address. A node that finds them ends before it serves anybody."""
 
     @pytest.mark.parametrize("what", ["node", "live"])
-    def test_ours_is_taken(self, what):
+    def test_ours_is_taken(self, what, started_with):
         status, said = started_with(LOOPBACK, what)
         assert status == 0, said
 
     @pytest.mark.parametrize("what", ["node", "live"])
-    def test_one_that_is_not_there(self, what, tmp_path):
-        self.is_refused(tmp_path / "none.xml", what)
+    def test_one_that_is_not_there(self, what, started_with, tmp_path):
+        self.is_refused(tmp_path / "none.xml", *started_with(tmp_path / "none.xml", what))
 
     @pytest.mark.parametrize(
         "part",
         ["intraprocess", "interfaceWhiteList", "leaseDuration", "heartbeatPeriod", "max_samples", "</profiles>"],
     )
-    def test_a_fault_in_any_line(self, part, tmp_path):
+    def test_a_fault_in_any_line(self, part, started_with, tmp_path):
         assert part in LOOPBACK.read_text()
         (tmp_path / "faulty.xml").write_text(LOOPBACK.read_text().replace(part, part.swapcase()))
-        self.is_refused(tmp_path / "faulty.xml", "node")
+        self.is_refused(tmp_path / "faulty.xml", *started_with(tmp_path / "faulty.xml", "node"))
 
-    def is_refused(self, profile, what):
-        status, said = started_with(profile, what)
+    def is_refused(self, profile, status, said):
         (line,) = (line for line in said if "XMLPARSER" not in line)
         assert status == 2 and str(profile) in line and "make setup" in line and RANGE in line
 

@@ -1,6 +1,5 @@
 """What an effect must gain to be named: prices, the size that counts, and what is left unexplained."""
 
-from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
@@ -22,8 +21,7 @@ from ema_twin_sim.discovery.criteria.worth import (
     noise_per_unit,
     penalised_gain,
 )
-
-COMPARES = SimpleNamespace(compares_with=lambda other: True)
+from tests.fits_by_hand import COMPARES, a_problem
 
 
 def a_fit(raw=(), parted=False, prior=0.0, added=(), free=(), misfits=(0.0, 0.0), inflations=(1.0, 1.0), weights=1.0):
@@ -36,24 +34,6 @@ def a_fit(raw=(), parted=False, prior=0.0, added=(), free=(), misfits=(0.0, 0.0)
         raw=raw, weights=np.full(len(raw), weights), parted=parted, prior_cost=prior, hypothesis=hypothesis,
         misfits=np.array(misfits), variance_inflations=np.array(inflations), problem=COMPARES,
     )  # fmt: skip
-
-
-def a_problem(*torque_rows, encoder_rows=(), calm=None, after_impact=None, noise=0.01, of_points=False):
-    """Recordings of so many rows of torque, one after another, and then those of the encoders."""
-    edges = np.cumsum([0, *torque_rows, *encoder_rows])
-    parts = [slice(a, b) for a, b in pairwise(edges)]
-    held = [
-        SimpleNamespace(
-            of_points=of_points,
-            below_shock_limit=np.ones(rows, bool) if calm is None else calm,
-            after_impact=np.zeros(rows, bool) if after_impact is None else after_impact,
-            rows=np.arange(rows),
-            torque_noise=np.full(rows, noise),
-        )
-        for rows in torque_rows
-    ]
-    count = len(torque_rows)
-    return SimpleNamespace(observations=held, torque_parts=parts[:count], encoder_parts=parts[count:])
 
 
 class TestPrices:
