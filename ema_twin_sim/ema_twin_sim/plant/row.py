@@ -9,7 +9,7 @@ from .sensors import counted, shown
 
 
 class Moment(NamedTuple):
-    """What a loop knows of the twin at a sample, SI at the fast shaft."""
+    """What a loop knows of the twin at a sample, in SI; at the fast shaft unless its field says otherwise."""
 
     phase: float
     """s since the last control cycle began"""
