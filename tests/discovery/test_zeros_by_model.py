@@ -2,10 +2,13 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from ema_bench_replay.recording import AT
 from ema_twin_sim.commands.judged import with_one_zero
 from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.discovery import zeros_by_model as zeros
 from ema_twin_sim.discovery.zeros_by_model import with_the_models_zeros, zeros_by_model
 from tests.discovery.test_differing_zeros import (
     DRY,
@@ -43,10 +46,10 @@ def test_one_recording_alone_has_a_zero_as_well(cogging):
 
 def test_the_error_of_a_comparison_falls_to_the_noise(cogging):
     moved, (told,) = with_the_models_zeros(anew(), cogging)
-    assert "mrad for c" in told and "rad for d" in told
+    assert "mrad for c" in told and "rad for d" in told and moved[2].warnings == (told,)
     before, after = (compare(given, cogging).overall["unexplained_torque"] for given in (anew(), moved))
     assert after["rmse"] < 2.0 * after["noise_floor"] < 0.2 * before["rmse"]
-    assert with_the_models_zeros(moved, cogging) == (moved, ())
+    assert with_the_models_zeros(moved, cogging)[1] == ()
 
 
 def test_what_the_comparison_does_is_told(cogging, capsys):
@@ -54,7 +57,52 @@ def test_what_the_comparison_does_is_told(cogging, capsys):
     plain = open_motor(1.0, NOISE, PERIOD, speed_noise=1e-3)
     moved = with_one_zero(anew(), [plain, cogging])
     assert [r.motor_angle_origin for r in moved] == pytest.approx([0.0, 0.0, 0.9, -1.7], abs=0.01)
-    assert "Their zeros are moved by" in " ".join(capsys.readouterr().err.split())
+    assert "they are moved by" in " ".join(capsys.readouterr().err.split())
+
+
+def test_the_first_model_that_repeats_decides_though_it_moves_nothing(cogging, capsys):
+    """Another one, of a wrong phase, would move all of them away from it."""
+    together = anew(zeros=dict.fromkeys(ZEROS, 0.0))
+    off = cogging.with_value("effects.cogging.phase", WAVES[0][2] + 0.5)
+    assert zeros_by_model(together, off)
+    assert with_one_zero(together, [cogging, off]) == together and not capsys.readouterr().err
+
+
+def test_a_fit_keeps_what_all_recordings_have_in_common(cogging):
+    """It is the model's phase, which is to be fitted; an encoder may be absolute."""
+    off = cogging.with_value("effects.cogging.phase", WAVES[0][2] + 0.5)
+    together = anew(zeros=dict.fromkeys(ZEROS, 0.0))
+    assert with_the_models_zeros(together, off, between_them=True) == (together, ())
+    moved, _ = with_the_models_zeros(anew(), cogging, between_them=True)
+    assert [r.motor_angle_origin for r in moved] == pytest.approx([0.0, 0.0, 0.9, -1.7], abs=0.02)
+    assert with_the_models_zeros([turning("c", 0.9, 0.1)], cogging, between_them=True)[1] == ()
+
+
+def test_a_position_of_the_output_is_moved_by_the_outputs_angle(cogging):
+    geared = cogging.with_value("machine.gear_ratio", 20.0)
+    seen = turning("c", 0.9, 0.1)
+    at_output = replace(
+        seen,
+        signals={**seen.signals, "motor_position": seen.signals["motor_position"] / 20.0},
+        metadata={f"motor_position{AT}": "output"},
+    )
+    assert zeros_by_model([at_output], geared) == pytest.approx({"c": 0.9 / 20.0}, abs=1e-3)
+
+
+def test_a_long_recording_is_read_where_it_moves(cogging, monkeypatch):
+    """Its first part may be at rest, which tells neither a zero nor the sizes of its motion."""
+    monkeypatch.setattr(zeros, "SAMPLES", 3000)
+    moving = turning("c", 0.9, 0.1)
+    rest = {name: np.concatenate([np.full(6000, values[0]), values]) for name, values in moving.signals.items()}
+    stamps = np.arange(6000 + len(moving)) * round(PERIOD * 1e9)
+    long = replace(moving, stamps=stamps, signals=rest)
+    assert zeros_by_model([long], cogging) == pytest.approx({"c": 0.9}, abs=0.02)
+
+
+def test_a_recording_that_has_no_position_keeps_nothing_from_the_others(cogging):
+    seen = turning("b", 0.0, 0.12)
+    blind = replace(seen, signals={name: seen.signals[name] for name in ("current", "speed")})
+    assert zeros_by_model([turning("c", 0.9, 0.1), blind], cogging) == pytest.approx({"c": 0.9}, abs=0.01)
 
 
 def test_nothing_is_moved_where_nothing_tells_a_zero(cogging):

@@ -172,4 +172,8 @@ def test_a_position_that_no_usual_units_make_the_integral_of_its_speed_is_asked_
     angle = 10.0 * 40.0 / 6.0 * (1.0 - np.cos(6.0 * time))
     columns = {"time [s]": time, "position": angle, "velocity": speed, "current [A]": 0.3 * np.sign(speed)}
     said = drafted(columns).said
-    assert "changes 10 times as much as the integral of the speed: which units have both?" in said
+    assert "it changes 10 times as much as the integral of the speed: what are the units of both?" in said
+    columns = {"position [deg]" if name == "position" else name: values for name, values in columns.items()}
+    assert "speed: the position changes 10 times as much as the integral of the speed, which no usual unit" in (
+        drafted(columns).said
+    )

@@ -86,3 +86,24 @@ def test_a_steady_speed_and_operating_points_at_rest_stay(timed):
 def test_a_magnitude_beside_it_hides_nothing(timed):
     columns = {"angle [rad]": ANGLE, "speed [rpm]": ZERO, "current [A]": np.abs(CURRENT)}
     assert f"speed [rpm]: {SAID}" in timed(columns).said
+
+
+def test_a_torque_of_zeros_gives_way_to_one_that_changes(timed):
+    run = {"angle [rad]": ANGLE, "motor torque [N m]": ZERO, "torque [N m]": CURRENT}
+    assert "torque [N m] → motor_torque" in timed(run).said
+
+
+def test_a_steady_temperature_is_the_motors_all_the_same(timed):
+    drifting = 40.0 + 1e-3 * np.arange(600)
+    run = {"angle [rad]": ANGLE, "current [A]": CURRENT, "motor temperature [°C]": ZERO + 25.0}
+    assert "motor temperature [°C] → temperature" in timed({**run, "board temperature [°C]": drifting}).said
+
+
+def test_a_carriage_that_is_held_is_linear(timed):
+    run = {"position [mm]": ZERO + 3.0, "speed [mm/s]": ZERO, "force [N]": CURRENT}
+    assert "motion: linear" in timed(run).map
+
+
+def test_points_without_a_unit_are_not_asked_about_an_encoders_steps(drafted):
+    points = {"position": np.repeat([0.0, 10.0, 20.0, 10.0, 40.0], 4), "current [A]": np.tile([0.1, 0.4, 0.7, 1.0], 5)}
+    assert "counts_per_revolution" not in drafted(points, operating_points=True).told

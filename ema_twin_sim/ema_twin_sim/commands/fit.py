@@ -75,7 +75,7 @@ def run(
     load_effects(with_files or ())
     before = load_model(model)
     recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
-    recordings = with_one_zero(recordings, [before])
+    recordings = with_one_zero(recordings, [before], between_them=True)
     before = with_noise_told(recordings, before)
     with status() as progress:
         found = fit_model(

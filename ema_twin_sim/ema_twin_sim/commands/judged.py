@@ -50,16 +50,21 @@ def read_judged(
     return Judged(recordings, with_noise_told(recordings, before), excluded)
 
 
-def with_one_zero(recordings: list[Recording], models: Sequence[Model]) -> list[Recording]:
-    """The recordings, their positions' zeros where the first model with a torque at an angle has it; tells of it."""
-    from ..discovery.zeros_by_model import with_the_models_zeros
+def with_one_zero(
+    recordings: list[Recording], models: Sequence[Model], *, between_them: bool = False
+) -> list[Recording]:
+    """The recordings, their positions' zeros where the first model with a torque at an angle has it; tells of it.
 
-    for model in models:
-        moved, told = with_the_models_zeros(recordings, model)
-        if told:
-            warn_of(told, recordings)
-            return moved
-    return recordings
+    ``between_them``: only by what they differ from each other.
+    """
+    from ..discovery.zeros_by_model import has_a_zero, with_the_models_zeros
+
+    telling = next((model for model in models if has_a_zero(model)), None)
+    if telling is None:
+        return recordings
+    moved, told = with_the_models_zeros(recordings, telling, between_them=between_them)
+    warn_of(told, recordings)
+    return moved
 
 
 def write_evidence_bag(found: Discovery, recordings: Sequence[Recording], file: Path, *, force: bool) -> None:

@@ -103,11 +103,13 @@ def run(
     if len(models) > 2:
         check_same_effects(models[1], models[2], (model[1], model[2]))
     recordings = with_one_zero(
-        load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2), models
+        load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2), models[::-1]
     )
     models = [with_noise_told(recordings, given) for given in models]
     apart = (
-        with_one_zero(load_runs(held_out, import_map=import_map, strict=strict, least=2), models) if held_out else []
+        with_one_zero(load_runs(held_out, import_map=import_map, strict=strict, least=2), models[::-1])
+        if held_out
+        else []
     )
 
     names = [recording.name for recording in recordings]

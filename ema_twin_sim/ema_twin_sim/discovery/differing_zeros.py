@@ -100,16 +100,25 @@ def with_zeros_moved(recordings: Sequence[Recording], by: Mapping[str, float]) -
     return moved
 
 
-def of_differing_zeros(by: Mapping[str, float], model: Model) -> tuple[str, ...]:
-    """Warning that tells ``by`` how much the zeros were moved; none if none was. The ``model`` is in own units."""
+def of_differing_zeros(by: Mapping[str, float], model: Model, end: Model) -> tuple[str, ...]:
+    """Warning that tells ``by`` how much the zeros were moved; none if none was. The ``model`` is in own units.
+
+    ``end`` is the model that was found: with a torque at an angle it tells the zeros of these recordings again.
+    """
     if not by:
         return ()
     _, unit = shown(model, 1.0, "rad")
     each = listed(f"{quantity(way, unit)} for {name}" for name, way in by.items())
     return (
         "the zero of the position differs between recordings: what repeats along it begins elsewhere. discover moved "
-        f"the zeros to one, as compare, fit and report do with the new model: by {each}",
+        f"the zeros to one, by {each}; {_then(end)}",
     )
+
+
+def _then(end: Model) -> str:
+    if any(acts_at_an_angle(catalogue()[instance.effect]) for instance in end.active.values()):
+        return "compare, fit and report do the same with the new model"
+    return "add these to the positions before you compare"
 
 
 def lines_of(parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[list[Line], np.ndarray]:

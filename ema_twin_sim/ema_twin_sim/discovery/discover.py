@@ -250,7 +250,7 @@ def discover(
         (
             *misread,
             *(warning for recording in recordings for warning in recording.warnings),
-            *of_differing_zeros(read.zeros, model),
+            *of_differing_zeros(read.zeros, model, end),
             *of_assumed_torque(read.given, given),
             *contradictions(problem, best),
             *far_off(best),

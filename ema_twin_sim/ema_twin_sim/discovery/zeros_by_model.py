@@ -6,7 +6,8 @@ angle then tells, of every further recording, by how much its zero is off: by as
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..comparison.orders import FEWEST_CYCLES
+from ..criteria import NEGLIGIBLE
 from ..effects import catalogue
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import fit
@@ -36,33 +38,50 @@ from .differing_zeros import (
     with_zeros_moved,
 )
 
-SAMPLES = 100_000  # of a recording that tell its zero; a longer one is not read to its end for it
+SAMPLES = 100_000  # of a recording that tell its zero: those of its longest way
 
 
-def with_the_models_zeros(recordings: Sequence[Recording], model: Model) -> tuple[list[Recording], tuple[str, ...]]:
-    """The recordings, with the zeros of their positions moved to where the ``model`` says, and what to say of it."""
+def with_the_models_zeros(
+    recordings: Sequence[Recording], model: Model, *, between_them: bool = False
+) -> tuple[list[Recording], tuple[str, ...]]:
+    """The recordings, with the zeros of their positions moved to where the ``model`` says, and what to say of it.
+
+    ``between_them``: only by what they differ from each other, since the model's own angle is still to be fitted. The
+    first recording that is moved carries the warning.
+    """
     by = zeros_by_model(recordings, model)
+    if between_them:
+        by = _apart(recordings, by)
     if not by:
         return list(recordings), ()
     unit = "m" if is_linear(model) else "rad"
     each = listed(f"{quantity(way, unit)} for {name}" for name, way in by.items())
-    return with_zeros_moved(recordings, by), (
-        f"the position's zero differs from the one of {model.name}, as that of a counter does that starts anew: what "
-        f"repeats along it in the model begins elsewhere in the recordings. Their zeros are moved by {each}",
+    told = (
+        f"the zeros of the positions differ from the one of {model.name}, as those of a counter do that starts anew: "
+        f"they are moved by {each}. If the encoder is absolute, the phases of the model are wrong instead: run fit"
     )
+    moved = with_zeros_moved(recordings, by)
+    first = next(k for k, recording in enumerate(moved) if recording.name in by)
+    moved[first] = replace(moved[first], warnings=(*moved[first].warnings, told))
+    return moved, (told,)
+
+
+def has_a_zero(model: Model) -> bool:
+    """Whether a model has a torque at an angle, on a machine whose counter may start anew."""
+    return model.other_orders and bool(_at_an_angle(model))
 
 
 def zeros_by_model(recordings: Sequence[Recording], given: Model) -> dict[str, float]:
     """How far to move the zeros of the recordings' positions, in their own unit; those that agree are left out.
 
     Empty for a model without a torque at an angle, or if nothing tells the zeros: with an encoder on the output as
-    well, or for operating points.
+    well. Recordings without a position, and operating points, are left as they are.
     """
-    at_an_angle = [name for name, held in given.active.items() if acts_at_an_angle(catalogue()[held.effect])]
-    if not at_an_angle or not given.other_orders or not all(r.has("motor_position") for r in recordings):
+    telling = [r for r in recordings if r.has("motor_position") and not r.of_points]
+    if not telling or not has_a_zero(given):
         return {}
     try:
-        measured = as_measured([_first_samples(recording) for recording in recordings], given)
+        measured = as_measured([_longest_way(recording) for recording in telling], given)
         own, model = to_own_units(measured, given)
         problem = EquationErrorProblem(observe_all(own, model))
     except InputError:
@@ -70,15 +89,29 @@ def zeros_by_model(recordings: Sequence[Recording], given: Model) -> dict[str, f
     if not problem.size or problem.rows > problem.size:
         return {}
     bare = model
-    for name in at_an_angle:
+    for name in _at_an_angle(model):
         bare = bare.with_enabled(name, False)
     without = fit(problem, null_hypothesis(bare))
     whole = null_hypothesis(model)
     known = {path: value for path, value in without.hypothesis.by_path.items() if path in whole.by_path}
-    waves = problem.residual(without.predicted) - problem.residual(
-        problem.predict(whole.put({**whole.by_path, **known}))
-    )
-    return as_recorded(own, _shifts(problem, without.residual, waves * without.weights, linear=is_linear(model)), model)
+    there = problem.predict(whole.put({**whole.by_path, **known}))
+    waves = problem.residual(without.predicted) - problem.residual(there)
+    by = _shifts(problem, without.residual, waves * without.weights, linear=is_linear(model))
+    return as_recorded(telling, by, model)
+
+
+def _at_an_angle(model: Model) -> list[str]:
+    return [name for name, held in model.active.items() if acts_at_an_angle(catalogue()[held.effect])]
+
+
+def _apart(recordings: Sequence[Recording], by: Mapping[str, float]) -> dict[str, float]:
+    """The shifts ``by`` less what most of the recordings have in common, which is the model's own phase."""
+    all_of_them = [by.get(r.name, 0.0) for r in recordings if r.has("motor_position") and not r.of_points]
+    common = float(np.median(all_of_them)) if all_of_them else 0.0
+    nearest = min(all_of_them, key=lambda way: abs(way - common), default=0.0)
+    less = {r.name: by.get(r.name, 0.0) - nearest for r in recordings if r.has("motor_position") and not r.of_points}
+    most = max((abs(way) for way in by.values()), default=0.0)
+    return {name: way for name, way in less.items() if abs(way) > NEGLIGIBLE * most}
 
 
 def _shifts(problem: EquationErrorProblem, left: np.ndarray, waves: np.ndarray, *, linear: bool) -> dict[str, float]:
@@ -96,14 +129,26 @@ def _shifts(problem: EquationErrorProblem, left: np.ndarray, waves: np.ndarray, 
             wave, rest = wave_at(line.order, rest, angle)
             score += len(values) * np.real(wave * np.conj(line.waves[0]) * np.exp(-1j * line.order * tried))
             of_model_alone += 0.5 * len(values) * abs(line.waves[0]) ** 2
-        if score.max() <= of_model_alone:
+        noise = float(rest.var())
+        if score.max() <= of_model_alone or not noise > 0.0:
             continue  # wherever it begins, the model's wave would only add to the error: it is not there
-        if shift := best_shift(tried, score / float(rest.var()), max(line.order for line in lines)):
+        if shift := best_shift(tried, score / noise, max(line.order for line in lines)):
             found[name] = shift
     return found
 
 
-def _first_samples(recording: Recording) -> Recording:
-    if len(recording) <= SAMPLES:
+def _longest_way(recording: Recording) -> Recording:
+    """The part of a long recording in which its motor goes farthest: others may be at rest all along."""
+    count = len(recording)
+    if count <= SAMPLES:
         return recording
-    return recording.between(None, float(recording.time[SAMPLES]))
+    position = recording.signals["motor_position"]
+
+    def way(start: int) -> float:
+        part = position[start : start + SAMPLES]
+        part = part[np.isfinite(part)]
+        return float(np.ptp(part)) if len(part) else 0.0
+
+    at = max(range(0, count - SAMPLES + 1, SAMPLES), key=way)
+    first, last = ((recording.stamps[k] - recording.stamps[0]) * 1e-9 for k in (at, at + SAMPLES - 1))
+    return recording.between(float(first), float(last))

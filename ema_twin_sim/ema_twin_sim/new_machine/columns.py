@@ -147,8 +147,7 @@ def guess_columns(
     """
     numbers = numbers or {}
     names = [header_words(name) for name in header]
-    telling = [n for n in names if not (contradicted_quantity(n.name) or never_changes(numbers.get(n.name)))]
-    linear = _is_linear(telling)
+    linear = _is_linear(_telling(names, numbers))
     names = [_settled(read, linear) for read in names]
     time = time_column(names, numbers)
     if time is not None and time.name in no_numbers:
@@ -236,6 +235,17 @@ def _timed(time: HeaderWords | None, signals: tuple[Guess, ...], left: tuple[str
     if time is not None:
         return Guesses(_time(time), signals, left, motion)
     return Guesses(None, signals, left, motion, of_points=True, points_doubt="no time column was found")
+
+
+def _telling(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> list[HeaderWords]:
+    """The names whose units tell the kind of motion: not where the words contradict them, nor where nothing changes.
+
+    Unless nothing changes that has such a unit.
+    """
+    sure = [name for name in names if not contradicted_quantity(name.name)]
+    moving = [name for name in sure if not never_changes(numbers.get(name.name))]
+    told = any(name.linear is not None and not name.in_doubt and name.quantity != "torque" for name in moving)
+    return moving if told else sure
 
 
 def _is_linear(names: Sequence[HeaderWords]) -> bool:

@@ -43,6 +43,7 @@ from .unit_questions import questions_about_units
 from .unsigned_drive import unsigned_signals
 
 _STILL = "not used, since it never changes, as of a sensor that is not connected, or of a shaft that is held"
+_ZERO = "not used, since it never changes from zero, as of a signal that nobody fills in"
 _OUTPUTS = ("output_position", "output_command")
 _DRIVE = ("current", "current_setpoint", "motor_torque")
 
@@ -82,9 +83,10 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         return Drafts(drafted, checked_model((recording,), given, shaft, source).text)
     for recording in recordings:
         _refuse_slow_samples(recording, guesses)
-    still = [guess.column for guess in guesses.signals if guess.signal in never_changing(recordings)]
+    idle = never_changing(recordings)
+    still = {g.column: _ZERO if g.signal in _DRIVE else _STILL for g in guesses.signals if g.signal in idle}
     if still:
-        guesses = guesses.without(still)
+        guesses = guesses.without(tuple(still))
         if not guesses.signals:
             raise InputError(
                 f"{source}: {', '.join(still)}: never changes, and nothing else is left to read; record a motion, and "
@@ -197,8 +199,8 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
             shown.append(f"sign of {drives} (positive drives forwards)")
         else:
             assumed.append(
-                f"{drives}: positive drives forwards, which the recordings do not show clearly (otherwise add "
-                "`factor: -1` to its line of the map)"
+                f"{drives}: positive drives forwards, which the recordings do not show clearly (otherwise "
+                f"{_turning(guesses)} its line of the map)"
             )
     asked = (
         *(_no_sign(guess, recordings) for guess in guesses.signals if guess.magnitude),
@@ -206,15 +208,18 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         *model.questions,
     )
     if turned_drive:
-        told = f"{drives}: as recorded, it acts against the motion, so its sign is reversed (`factor: -1` in the map)"
-        asked = (f"{told}; if the motion has the wrong sign, reverse the position and the speed instead", *asked)
+        told = f"{drives}: as recorded, it acts against the motion, so its sign is reversed"
+        asked = (
+            f"{told} ({_turned(guesses)} in the map); if the motion has the wrong sign, reverse the position and the speed instead",
+            *asked,
+        )
     warnings = tuple(warning for recording in recordings for warning in recording.warnings)
     return Drafts(
         draft_map(guesses, of, shaft),
         model.text,
         asked,
         (*assumed, *model.assumed),
-        {**dict.fromkeys(still, _STILL), **left_out, **unknown},
+        {**still, **left_out, **unknown},
         warnings,
         tuple(shown),
         magnitudes,
@@ -308,6 +313,20 @@ def _tells_the_constant(guess: Guess, guesses: Guesses, given: Given) -> bool:
     """Whether a column is a torque beside a current, of unnamed shaft: the torque constant may come from it."""
     beside = given.torque_constant is None and any(other.signal == "current" for other in guesses.signals)
     return guess.signal == "motor_torque" and beside and not (guess.of_motor or guess.of_output)
+
+
+def _turning(guesses: Guesses) -> str:
+    """What to do to the line of the map whose sign is wrong, in words that end before the line."""
+    return "change the sign of `factor` in" if _has_a_factor(guesses) else "add `factor: -1` to"
+
+
+def _turned(guesses: Guesses) -> str:
+    return "a negative `factor`" if _has_a_factor(guesses) else "`factor: -1`"
+
+
+def _has_a_factor(guesses: Guesses) -> bool:
+    """Whether the drive's line of the map has a factor already, the size of a servo's step."""
+    return any(guess.factor != 1.0 for guess in guesses.signals if guess.signal in _DRIVE)
 
 
 def _all_turned(guesses: Guesses, signals: Sequence[str]) -> tuple[Guess, ...]:

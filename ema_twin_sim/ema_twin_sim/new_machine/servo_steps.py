@@ -58,6 +58,10 @@ def servo_of(position: Guess, speed: Guess, numbers: Mapping[str, np.ndarray], w
 def in_steps_of(servo: Servo, guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> Guesses:
     """The guesses with the units of a servo's steps for its position, its speed and its current."""
     shown = f"whole numbers, and their motion, are those of a {servo.name} servo"
+    if servo.steps_per_second == 1.0:
+        shown = (
+            f"whole numbers, as a {servo.name} servo logs; in other steps, such as 0.1 degrees, both would agree too"
+        )
     size = f"a step of the current of a {servo.name} servo; {servo.other_currents}"
 
     def told(guess: Guess) -> Guess:
@@ -75,5 +79,5 @@ def in_steps_of(servo: Servo, guesses: Guesses, numbers: Mapping[str, np.ndarray
 def _in_steps(guess: Guess, numbers: Mapping[str, np.ndarray]) -> bool:
     """Whether a column's name is one of these servos', without a unit, and all that was measured is whole numbers."""
     measured = numbers[guess.column][np.isfinite(numbers[guess.column])]
-    named = WORD in header_words(guess.column).words
-    return named and guess.unit in (None, COUNTS) and bool(np.array_equal(measured, np.round(measured)))
+    named = WORD in header_words(guess.column).words and guess.unit in (None, COUNTS)
+    return named and len(measured) > 0 and bool(np.array_equal(measured, np.round(measured)))

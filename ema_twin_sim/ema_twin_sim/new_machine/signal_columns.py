@@ -106,7 +106,7 @@ def choose_signals(
     def of(quantity: str, *, setpoint: bool = False) -> list[Column]:
         found = [c for c in columns if c.quantity == quantity and c.setpoint == setpoint and c not in taken.values()]
         found.sort(key=lambda c: (has_word(c.read.words, FILTERED), c.shaft == "output", not c.actual))
-        return sorted(found, key=lambda c: never_changes(numbers.get(c.name)))
+        return sorted(found, key=lambda c: _is_idle(c, numbers))
 
     def take(signal: str, found: Sequence[Column]) -> None:
         if found:
@@ -116,7 +116,13 @@ def choose_signals(
     currents = of("current")
     told = of("torque")
     torques = sorted(
-        told, key=lambda c: (c.shaft != "motor", _is_computed(c, told), not _of_a_current(c, currents, numbers))
+        told,
+        key=lambda c: (
+            _is_idle(c, numbers),
+            c.shaft != "motor",
+            _is_computed(c, told),
+            not _of_a_current(c, currents, numbers),
+        ),
     )
     drives = [*currents, *(c for c in told if _may_drive(c))]
     behind = [c for c in torques if c.shaft == "output" or (c.shaft == "" and drives and _measured_behind(c))]
@@ -149,6 +155,15 @@ def choose_signals(
         if signal not in taken and other in taken and not (signal == "motor_torque" and "current" in taken):
             taken[signal] = taken.pop(other)
     return taken, tuple(c.name for c in elsewhere if c not in taken.values())
+
+
+def _is_idle(column: Column, numbers: Mapping[str, np.ndarray]) -> bool:
+    """Whether a position or a speed never changes, or a current or a torque is zero all along."""
+    values = numbers.get(column.name)
+    if column.quantity in ("position", "speed"):
+        return never_changes(values)
+    at_zero = column.quantity in ("current", "torque") and never_changes(values)
+    return at_zero and values is not None and not np.nan_to_num(values).any()
 
 
 def _only_counts(position: Column) -> bool:

@@ -22,7 +22,7 @@ from .usual_counts import usual_counts
 def questions_about_units(recording: Recording, units: Mapping[str, str | None]) -> Iterator[str]:
     """Questions about a recording's units, in words; ``units`` are those of its columns (None: not known)."""
     yield from unusual_sizes(recording)
-    if recording.motion != "rotary":
+    if recording.motion != "rotary" or recording.of_points:
         return
     yield from _by_whole_numbers(recording, units)
     if not recording.has("speed"):  # with a speed, the distance shows it

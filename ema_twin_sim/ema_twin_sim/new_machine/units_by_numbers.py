@@ -196,9 +196,11 @@ def _by_way(position: Guess, speed: Guess, ways: float | None, gear_ratio: float
                         replace(position, unit=place, doubt=doubt),
                         replace(speed, unit=unit, doubt=doubt and "no unit in the header"),
                     ]
-        if not _open(position) or position.unit is None:
-            asked = f"it changes {abs(ways):.4g} times as much as the integral of the speed: which units have both?"
-            return [replace(position, origin_doubt=asked)]
+        goes = f"changes {abs(ways):.4g} times as much as the integral of the speed"
+        if position.unit is None:
+            return [replace(position, origin_doubt=f"it {goes}: what are the units of both?")]
+        if not _open(position):
+            return [replace(speed, origin_doubt=f"the position {goes}, which no usual unit explains")]
     return []
 
 

@@ -46,8 +46,12 @@ def imitates(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     For open constants, which leave a real machine's effects less sure of their shape than known ones do.
     """
     effect = catalogue()[f.hypothesis.added[name].effect]
+    wanders = effect.depends_on == "time" and problem.weighting.wander is not None
+    if wanders or is_lacked(f.hypothesis, effect.id):
+        return False
     bare = fit(problem, f.hypothesis.without(name), 6, known=f)
-    shapes = {} if is_lacked(f.hypothesis, effect.id) else _over(problem, bare, effect.depends_on)
+    refuse_different_weightings(bare, f)
+    shapes = _over(problem, bare, effect.depends_on)
     beside = problem.with_generic_bases(shapes)
     best = next((found for _, found in screen_generic_bases(beside, bare)), None) if shapes else None
     if best is None:
@@ -55,8 +59,9 @@ def imitates(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     any_shape = fit_with_basis(beside, bare, best)
     columns = len(any_shape.hypothesis.free) - len(bare.hypothesis.free)
     scale = f.variance_inflations[0]
+    chance = max(gain_on_correlated_noise(beside, bare, any_shape, best) / scale, by_chance(columns))
     explained = (bare.misfits[0] - f.misfits[0]) / scale
-    return explained < MOSTLY * ((bare.misfits[0] - any_shape.misfits[0]) / scale - by_chance(columns))
+    return explained < MOSTLY * ((bare.misfits[0] - any_shape.misfits[0]) / scale - chance)
 
 
 def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool:

@@ -57,7 +57,8 @@ def beside_the_unknown(
     start = found.rounds[0].before
     if found.fit.hypothesis.base.is_open:  # nothing contradicts open constants
         found = less(found, [n for n in found.fit.hypothesis.added if is_bend(found.problem, found.fit, n)], LIKENESS)
-        found = less(found, _of_the_same_cause(found), LIKENESS)
+        while name := _of_the_same_cause(found):
+            found = less(found, [name], LIKENESS)
         problem = beside_generic_bases(found.problem, found.fit)
         between = ("encoders",) if apart(problem, found.fit, start) else ()
         return found, tuple(dict.fromkeys((*_most_likely(problem, found.fit), *between)))
@@ -84,12 +85,12 @@ def beside_the_unknown(
     return found, depends_on or tuple(sorted(suspect)) or passing or _most_likely(problem, found.fit)
 
 
-def _of_the_same_cause(found: Search) -> list[str]:
-    """The added effects over the quantity that the rest depends on, if another shape over it explains much more."""
+def _of_the_same_cause(found: Search) -> str | None:
+    """The last added effect over the quantity that the rest depends on, if another shape over it explains much more."""
     problem, added = beside_generic_bases(found.problem, found.fit), found.fit.hypothesis.added
     left = _most_likely(problem, found.fit)
     over = [name for name, held in added.items() if catalogue()[held.effect].depends_on in left]
-    return [name for name in over if imitates(problem, found.fit, name)]
+    return next((name for name in reversed(over) if imitates(problem, found.fit, name)), None)
 
 
 def _explains_most(found: Search, after: Fit, names: Collection[str]) -> bool:
