@@ -209,10 +209,8 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     )
     if turned_drive:
         told = f"{drives}: as recorded, it acts against the motion, so its sign is reversed"
-        asked = (
-            f"{told} ({_turned(guesses)} in the map); if the motion has the wrong sign, reverse the position and the speed instead",
-            *asked,
-        )
+        otherwise = "if the motion has the wrong sign, reverse the position and the speed instead"
+        asked = (f"{told} ({_turned(guesses)} in the map); {otherwise}", *asked)
     warnings = tuple(warning for recording in recordings for warning in recording.warnings)
     return Drafts(
         draft_map(guesses, of, shaft),
