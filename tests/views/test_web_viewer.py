@@ -127,7 +127,7 @@ def test_a_browser_shows_the_live_run(tmp_path):
         browser.wait("document.querySelector('canvas')?.hidden === false")
         for width in (400, 1280):
             browser.screen(width, height=480)
-            browser.wait(f"document.querySelector('canvas').width > {width} / 2 + 200")  # drawn anew, and not stretched
+            browser.wait(f"document.querySelector('canvas').width > 0.9 * {width}")  # drawn anew, not stretched
             end = time.monotonic() + 120.0
             while True:
                 picture = np.asarray(Image.open(io.BytesIO(browser.window())).convert("RGB"), np.int16)
