@@ -64,11 +64,11 @@ def test_the_angles_between_the_zeros_are_found(motor):
     assert not differing_zeros(fitted(moved, motor))
     cogs = motor.with_effect("cogging", {"torque": 0.025, "phase": 0.3}, {"order": "7"})
     for end, then in (
-        (cogs, "do the same with the new model"),
-        (motor, "add these to the positions before you compare"),
+        (cogs, "move them to that of the new model"),
+        (motor, "before you compare, add to the positions"),
     ):
         (warning,) = of_differing_zeros(by, motor, end)
-        assert all(f"rad for {name}" in warning for name in by) and then in warning
+        assert then in warning and all((f"rad for {name}" in warning) is (end is motor) for name in by)
 
 
 def test_nothing_is_moved_where_the_zeros_agree_or_nothing_repeats(motor):

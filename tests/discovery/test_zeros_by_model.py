@@ -115,3 +115,13 @@ def test_nothing_is_moved_where_nothing_tells_a_zero(cogging):
     seen = turning("c", 0.9, 0.1)
     blind = replace(seen, signals={name: seen.signals[name] for name in ("current", "speed")})
     assert zeros_by_model([blind], cogging) == {}
+
+
+def test_a_weight_over_a_part_of_a_turn_moves_no_zero(cogging):
+    """Its curve is no wave: another zero and another constant load, or friction, look alike there."""
+    heavy = open_motor(1.0, NOISE, PERIOD, speed_noise=1e-3).with_effect("gravity_load", {"torque": 0.05, "angle": 0.4})
+    swing = turning("c", 0.9, 0.3, waves=((1, 0.05, -0.4 + 0.3),), way=0.8)
+    assert zeros_by_model([swing], heavy) == {}
+    both = cogging.with_effect("gravity_load", {"torque": 0.05, "angle": 0.4})
+    moved = zeros_by_model([turning("c", 0.0, 0.3, waves=(*WAVES, (1, 0.05, -0.1)), way=3.0)], both)
+    assert abs(moved.get("c", 0.0)) < 0.01

@@ -177,3 +177,13 @@ def test_a_position_that_no_usual_units_make_the_integral_of_its_speed_is_asked_
     assert "speed: the position changes 10 times as much as the integral of the speed, which no usual unit" in (
         drafted(columns).said
     )
+
+
+def test_counts_that_would_be_usual_with_another_unit_of_the_speed_are_asked_about(drafted):
+    """8192 counts, and a speed in rpm whose name says rad/s."""
+    time = np.arange(1500) * 2e-3
+    speed, angle = 40.0 * np.sin(6.0 * time), 40.0 / 6.0 * (1.0 - np.cos(6.0 * time))
+    columns = {"time [s]": time, "position [counts]": np.rint(angle * 8192 / (2.0 * np.pi))}
+    columns |= {"speed [rad/s]": speed * 30.0 / np.pi, "current [A]": 0.3 * np.sign(speed)}
+    told = drafted(columns).told
+    assert "8192 is, which it would be with the speed in rpm: is rad/s right?" in told

@@ -111,14 +111,14 @@ def of_differing_zeros(by: Mapping[str, float], model: Model, end: Model) -> tup
     each = listed(f"{quantity(way, unit)} for {name}" for name, way in by.items())
     return (
         "the zero of the position differs between recordings: what repeats along it begins elsewhere. discover moved "
-        f"the zeros to one, by {each}; {_then(end)}",
+        f"the zeros to one; {_then(end, each)}",
     )
 
 
-def _then(end: Model) -> str:
-    if any(acts_at_an_angle(catalogue()[instance.effect]) for instance in end.active.values()):
-        return "compare, fit and report do the same with the new model"
-    return "add these to the positions before you compare"
+def _then(end: Model, each: str) -> str:
+    if any(catalogue()[instance.effect].depends_on == "order" for instance in end.active.values()):
+        return "compare, fit and report move them to that of the new model, and say by how much"
+    return f"before you compare, add to the positions {each}"
 
 
 def lines_of(parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[list[Line], np.ndarray]:

@@ -27,7 +27,6 @@ from ..measured.scales import to_own_units
 from ..model import Model
 from ..model.own_units import is_linear
 from ..quantities import quantity
-from ..simulation.angle_origins import acts_at_an_angle
 from .differing_zeros import (
     as_recorded,
     best_shift,
@@ -67,15 +66,15 @@ def with_the_models_zeros(
 
 
 def has_a_zero(model: Model) -> bool:
-    """Whether a model has a torque at an angle, on a machine whose counter may start anew."""
-    return model.other_orders and bool(_at_an_angle(model))
+    """Whether a model has a torque that repeats with turns, on a machine whose counter may start anew."""
+    return model.other_orders and bool(_waves(model))
 
 
 def zeros_by_model(recordings: Sequence[Recording], given: Model) -> dict[str, float]:
     """How far to move the zeros of the recordings' positions, in their own unit; those that agree are left out.
 
-    Empty for a model without a torque at an angle, or if nothing tells the zeros: with an encoder on the output as
-    well. Recordings without a position, and operating points, are left as they are.
+    Empty for a model without a torque that repeats with turns, or if nothing tells the zeros: with an encoder on the
+    output as well. Recordings without a position, and operating points, are left as they are.
     """
     telling = [r for r in recordings if r.has("motor_position") and not r.of_points]
     if not telling or not has_a_zero(given):
@@ -89,7 +88,7 @@ def zeros_by_model(recordings: Sequence[Recording], given: Model) -> dict[str, f
     if not problem.size or problem.rows > problem.size:
         return {}
     bare = model
-    for name in _at_an_angle(model):
+    for name in _waves(model):
         bare = bare.with_enabled(name, False)
     without = fit(problem, null_hypothesis(bare))
     whole = null_hypothesis(model)
@@ -100,8 +99,9 @@ def zeros_by_model(recordings: Sequence[Recording], given: Model) -> dict[str, f
     return as_recorded(telling, by, model)
 
 
-def _at_an_angle(model: Model) -> list[str]:
-    return [name for name, held in model.active.items() if acts_at_an_angle(catalogue()[held.effect])]
+def _waves(model: Model) -> list[str]:
+    """The effects of orders. A weight over a part of a turn is no wave: its angle and its zero are told by one bend."""
+    return [name for name, held in model.active.items() if catalogue()[held.effect].depends_on == "order"]
 
 
 def _apart(recordings: Sequence[Recording], by: Mapping[str, float]) -> dict[str, float]:

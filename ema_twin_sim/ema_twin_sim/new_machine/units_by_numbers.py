@@ -177,7 +177,7 @@ def _by_way(position: Guess, speed: Guess, ways: float | None, gear_ratio: float
         for shaft in shafts:
             if told := _position_told(position, one * shaft):
                 return [told, replace(speed, of_output=speed.of_output or shaft > 1.0)]
-        return [_unusual(position, one)] if position.unit == COUNTS else []
+        return [_unusual(position, one, speed)] if position.unit == COUNTS else []
     if speed.unit is not None:
         times = abs(ways) * _radians(position) / (units_of("speed")[speed.unit] * speed.factor)
         if abs(times - 1.0) < NEGLIGIBLE:
@@ -216,12 +216,17 @@ def _position_told(position: Guess, one: float) -> Guess | None:
     return None if counts is None else replace(position, unit=COUNTS, counts=counts)
 
 
-def _unusual(position: Guess, one: float) -> Guess:
-    """A counter with counts per turn, by the speed, that no usual encoder has."""
+def _unusual(position: Guess, one: float, speed: Guess) -> Guess:
+    """A counter with counts per turn, by the speed, that no usual encoder has; with another unit of it one may have."""
     counts = 2.0 * math.pi / one
-    return replace(
-        position, counts=round(counts), doubt=f"{counts:.6g} counts per turn by the speed; this is not a usual number"
-    )
+    doubt = f"{counts:.6g} counts per turn by the speed; this is not a usual number"
+    units = units_of("speed")
+    for unit in _USUAL[1]:
+        usual = usual_counts(counts * units[speed.unit or "rad/s"] / units[unit])
+        if unit != speed.unit and usual is not None:
+            doubt += f", and {usual:.0f} is, which it would be with the speed in {unit}: is {speed.unit} right?"
+            break
+    return replace(position, counts=round(counts), doubt=doubt)
 
 
 def _ways(position: np.ndarray, speed: np.ndarray, time: np.ndarray) -> float | None:
