@@ -53,7 +53,7 @@ def read_judged(
 def with_one_zero(
     recordings: list[Recording], models: Sequence[Model], *, between_them: bool = False
 ) -> list[Recording]:
-    """The recordings, their positions' zeros where the first model with a torque at an angle has it; tells of it.
+    """The recordings, with their positions' zeros where the first model that tells them has it; says what it moved.
 
     ``between_them``: only by what they differ from each other.
     """

@@ -103,7 +103,7 @@ def with_zeros_moved(recordings: Sequence[Recording], by: Mapping[str, float]) -
 def of_differing_zeros(by: Mapping[str, float], model: Model, end: Model) -> tuple[str, ...]:
     """Warning that tells ``by`` how much the zeros were moved; none if none was. The ``model`` is in own units.
 
-    ``end`` is the model that was found: with a torque at an angle it tells the zeros of these recordings again.
+    ``end`` is the model that was found: with a torque that repeats with turns it tells these zeros again.
     """
     if not by:
         return ()
@@ -116,9 +116,15 @@ def of_differing_zeros(by: Mapping[str, float], model: Model, end: Model) -> tup
 
 
 def _then(end: Model, each: str) -> str:
-    if any(catalogue()[instance.effect].depends_on == "order" for instance in end.active.values()):
+    """What is left to do before these recordings are compared with the model that was found."""
+    if waves_of(end):
         return "compare, fit and report move them to that of the new model, and say by how much"
     return f"before you compare, add to the positions {each}"
+
+
+def waves_of(model: Model) -> list[str]:
+    """The effects of orders. A weight over a part of a turn is no wave: its angle and its zero are told by one bend."""
+    return [name for name, held in model.active.items() if catalogue()[held.effect].depends_on == "order"]
 
 
 def lines_of(parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[list[Line], np.ndarray]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from statistics import median_low
 
 import numpy as np
 
@@ -16,7 +17,6 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.orders import FEWEST_CYCLES
 from ..criteria import NEGLIGIBLE
-from ..effects import catalogue
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import fit
 from ..identification.null_hypothesis import null_hypothesis
@@ -34,6 +34,7 @@ from .differing_zeros import (
     over_the_angle,
     tried_shifts,
     wave_at,
+    waves_of,
     with_zeros_moved,
 )
 
@@ -67,7 +68,7 @@ def with_the_models_zeros(
 
 def has_a_zero(model: Model) -> bool:
     """Whether a model has a torque that repeats with turns, on a machine whose counter may start anew."""
-    return model.other_orders and bool(_waves(model))
+    return model.other_orders and bool(waves_of(model))
 
 
 def zeros_by_model(recordings: Sequence[Recording], given: Model) -> dict[str, float]:
@@ -76,7 +77,7 @@ def zeros_by_model(recordings: Sequence[Recording], given: Model) -> dict[str, f
     Empty for a model without a torque that repeats with turns, or if nothing tells the zeros: with an encoder on the
     output as well. Recordings without a position, and operating points, are left as they are.
     """
-    telling = [r for r in recordings if r.has("motor_position") and not r.of_points]
+    telling = _telling(recordings)
     if not telling or not has_a_zero(given):
         return {}
     try:
@@ -88,7 +89,7 @@ def zeros_by_model(recordings: Sequence[Recording], given: Model) -> dict[str, f
     if not problem.size or problem.rows > problem.size:
         return {}
     bare = model
-    for name in _waves(model):
+    for name in waves_of(model):
         bare = bare.with_enabled(name, False)
     without = fit(problem, null_hypothesis(bare))
     whole = null_hypothesis(model)
@@ -99,19 +100,19 @@ def zeros_by_model(recordings: Sequence[Recording], given: Model) -> dict[str, f
     return as_recorded(telling, by, model)
 
 
-def _waves(model: Model) -> list[str]:
-    """The effects of orders. A weight over a part of a turn is no wave: its angle and its zero are told by one bend."""
-    return [name for name, held in model.active.items() if catalogue()[held.effect].depends_on == "order"]
-
-
 def _apart(recordings: Sequence[Recording], by: Mapping[str, float]) -> dict[str, float]:
     """The shifts ``by`` less what most of the recordings have in common, which is the model's own phase."""
-    all_of_them = [by.get(r.name, 0.0) for r in recordings if r.has("motor_position") and not r.of_points]
-    common = float(np.median(all_of_them)) if all_of_them else 0.0
-    nearest = min(all_of_them, key=lambda way: abs(way - common), default=0.0)
-    less = {r.name: by.get(r.name, 0.0) - nearest for r in recordings if r.has("motor_position") and not r.of_points}
-    most = max((abs(way) for way in by.values()), default=0.0)
-    return {name: way for name, way in less.items() if abs(way) > NEGLIGIBLE * most}
+    if not by:
+        return {}
+    ways = {r.name: by.get(r.name, 0.0) for r in _telling(recordings)}
+    common = median_low(ways.values())
+    most = max(map(abs, ways.values()))
+    return {name: way - common for name, way in ways.items() if abs(way - common) > NEGLIGIBLE * most}
+
+
+def _telling(recordings: Sequence[Recording]) -> list[Recording]:
+    """The recordings that may tell a zero."""
+    return [r for r in recordings if r.has("motor_position") and not r.of_points]
 
 
 def _shifts(problem: EquationErrorProblem, left: np.ndarray, waves: np.ndarray, *, linear: bool) -> dict[str, float]:

@@ -37,6 +37,7 @@ from .never_changing import never_changing
 from .position_beside_speed import not_summed, share_beside_speed, unlike_speed
 from .rows import may_be_points
 from .shaft import Shaft, is_geared, is_possible, position_shaft, ratio_of_positions, too_slow_for_a_motor
+from .sign_words import how_it_is_turned, how_to_turn
 from .signal_columns import is_quadrature
 from .torque_beside_current import not_proportional
 from .unit_questions import questions_about_units
@@ -144,7 +145,8 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
             "[N m]', and run init again)"
         )
     drives = ", ".join(g.column for g in guesses.signals if g.signal in _DRIVE and not g.magnitude and guesses.drives)
-    turned_drive = any(guess.turned_round for guess in guesses.signals if guess.signal in _DRIVE)
+    drive = [guess for guess in guesses.signals if guess.signal in _DRIVE]
+    turned_drive = any(guess.turned_round for guess in drive)
     if falls_with_load(recordings):
         guesses = replace(guesses, signals=_all_turned(guesses, ("load_torque",)))
         recordings = _read(draft_map(guesses, of, shaft), traces)
@@ -200,7 +202,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         else:
             assumed.append(
                 f"{drives}: positive drives forwards, which the recordings do not show clearly (otherwise "
-                f"{_turning(guesses)} its line of the map)"
+                f"{how_to_turn(drive)} its line of the map)"
             )
     asked = (
         *(_no_sign(guess, recordings) for guess in guesses.signals if guess.magnitude),
@@ -210,7 +212,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     if turned_drive:
         told = f"{drives}: as recorded, it acts against the motion, so its sign is reversed"
         otherwise = "if the motion has the wrong sign, reverse the position and the speed instead"
-        asked = (f"{told} ({_turned(guesses)} in the map); {otherwise}", *asked)
+        asked = (f"{told} ({how_it_is_turned(drive)} in the map); {otherwise}", *asked)
     warnings = tuple(warning for recording in recordings for warning in recording.warnings)
     return Drafts(
         draft_map(guesses, of, shaft),
@@ -311,20 +313,6 @@ def _tells_the_constant(guess: Guess, guesses: Guesses, given: Given) -> bool:
     """Whether a column is a torque beside a current, of unnamed shaft: the torque constant may come from it."""
     beside = given.torque_constant is None and any(other.signal == "current" for other in guesses.signals)
     return guess.signal == "motor_torque" and beside and not (guess.of_motor or guess.of_output)
-
-
-def _turning(guesses: Guesses) -> str:
-    """What to do to the line of the map whose sign is wrong, in words that end before the line."""
-    return "change the sign of `factor` in" if _has_a_factor(guesses) else "add `factor: -1` to"
-
-
-def _turned(guesses: Guesses) -> str:
-    return "a negative `factor`" if _has_a_factor(guesses) else "`factor: -1`"
-
-
-def _has_a_factor(guesses: Guesses) -> bool:
-    """Whether the drive's line of the map has a factor already, the size of a servo's step."""
-    return any(guess.factor != 1.0 for guess in guesses.signals if guess.signal in _DRIVE)
 
 
 def _all_turned(guesses: Guesses, signals: Sequence[str]) -> tuple[Guess, ...]:

@@ -19,6 +19,11 @@ def never_changes(values: np.ndarray | None) -> bool:
     return len(known) > 1 and float(np.ptp(known)) == 0.0
 
 
+def zero_all_along(values: np.ndarray | None) -> bool:
+    """Whether all known values (n,) are zero; False if there are fewer than two."""
+    return values is not None and never_changes(values) and not np.nan_to_num(values).any()
+
+
 def never_changing(recordings: Sequence[Recording]) -> tuple[str, ...]:
     """The positions that are the same in all samples of all recordings, and a speed or a drive that is always zero.
 
@@ -35,4 +40,4 @@ def never_changing(recordings: Sequence[Recording]) -> tuple[str, ...]:
 
 
 def _stands(values: np.ndarray, signal: str) -> bool:
-    return never_changes(values) and (signal not in _AT_ZERO or not np.nan_to_num(values).any())
+    return zero_all_along(values) if signal in _AT_ZERO else never_changes(values)

@@ -76,8 +76,10 @@ def position_shaft(recording: Recording, gear_ratio: float | None, *, units_know
     strange = ratio < 1.0 or not is_possible(ratio) or is_usual_mistake(times)
     if gear_ratio is None and not alike and strange:
         return Shaft(doubt=f"{told}. Are the units of both right?")
-    else_wrong = "" if gear_ratio else " (without a gear a unit, or the time, is wrong by that factor)"
-    return Shaft("output", gear_ratio or ratio, f"{told}: assumed to be the output's angle{else_wrong}")
+    told += ": assumed to be the output's angle"
+    if gear_ratio is None:
+        told += " (without a gear a unit, or the time, is wrong by that factor)"
+    return Shaft("output", gear_ratio or ratio, told)
 
 
 def _told(times: float) -> str:

@@ -35,7 +35,7 @@ from .column_words import (
     TRANSDUCER,
 )
 from .joints import likeness, travel
-from .never_changing import never_changes
+from .never_changing import never_changes, zero_all_along
 from .position_beside_speed import going_with_speed
 
 
@@ -162,8 +162,7 @@ def _is_idle(column: Column, numbers: Mapping[str, np.ndarray]) -> bool:
     values = numbers.get(column.name)
     if column.quantity in ("position", "speed"):
         return never_changes(values)
-    at_zero = column.quantity in ("current", "torque") and never_changes(values)
-    return at_zero and values is not None and not np.nan_to_num(values).any()
+    return column.quantity in ("current", "torque") and zero_all_along(values)
 
 
 def _only_counts(position: Column) -> bool:

@@ -53,7 +53,7 @@ def imitates(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     refuse_different_weightings(bare, f)
     shapes = _over(problem, bare, effect.depends_on)
     beside = problem.with_generic_bases(shapes)
-    best = next((found for _, found in screen_generic_bases(beside, bare)), None) if shapes else None
+    best = _best_basis(beside, bare) if shapes else None
     if best is None:
         return False
     any_shape = fit_with_basis(beside, bare, best)
@@ -148,7 +148,7 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     if took < DEPENDS * f.variance_inflations[0]:
         return False
     beside = problem.with_generic_bases(shapes)
-    best = next((found for _, found in screen_generic_bases(beside, bare)), None)
+    best = _best_basis(beside, bare)
     if best is None:
         return True
     any_shape = fit_with_basis(beside, bare, best)
@@ -175,6 +175,11 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
         return True
     # if it explains as much with that shape as alone, it does not imitate it: both are there
     return gained > 0.0 and _gained(any_shape, both, scale) >= MOSTLY * gained
+
+
+def _best_basis(problem: EquationErrorProblem, bare: Fit) -> str | None:
+    """The generic basis of a problem that promises most beside a ``bare`` fit; None if none promises anything."""
+    return next((name for _, name in screen_generic_bases(problem, bare)), None)
 
 
 def _gained(before: Fit, after: Fit, scale: float) -> float:

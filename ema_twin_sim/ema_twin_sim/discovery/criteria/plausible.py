@@ -104,8 +104,9 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
         ):
             yield name
             continue
-        at = f"effects.{name}.{size.name}"
-        error = math.sqrt(max(float(spread[k, k]), 0.0)) if (k := _place(paths, at)) is not None else 0.0
+        path = f"effects.{name}.{size.name}"
+        k = paths.index(path) if path in paths else None
+        error = 0.0 if k is None else math.sqrt(max(float(spread[k, k]), 0.0))
         if not f.hypothesis.base.is_open and _size_on_bound(size, instance.parameters[size.name], error):
             yield name
             continue
@@ -157,11 +158,6 @@ def _shape_on_bound(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
         and reached_bound(float(value), float(lower), float(upper), math.inf, abs(value))
         for free, value, lower, upper in numbers
     )
-
-
-def _place(paths: Sequence[str], path: str) -> int | None:
-    """Where a number stands among the free ones; None if it is held."""
-    return paths.index(path) if path in paths else None
 
 
 def _size_on_bound(size: Parameter, value: float, error: float) -> bool:
