@@ -42,6 +42,7 @@ METHOD = {
     "identification/excerpt.py": "EXCERPT EXCERPTS MOST_TURNS",
     "identification/fit.py": "INITIAL_DAMPING NO_GAIN",
     "measured/quieter_motion.py": "MOST_PERIODS AS_QUIET PARTS STRETCHES STRETCH",
+    "discovery/zeros_by_load.py": "SAME_ROWS",
     "discovery/zeros_by_model.py": "SAMPLES",
     "identification/generic_bases.py": (
         "KNOTS LEAST_KNOTS KNOT MOST_KNOTS LONGEST_WAVE SHORTEST_WAVE WAVES ORDERS BASIS_STEPS"

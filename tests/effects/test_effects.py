@@ -56,9 +56,10 @@ def test_an_effect_tells_what_it_is(id):
         assert parameter.unit and parameter.description
         assert parameter.lower <= parameter.default <= parameter.upper
         # what has the size of a machine is bounded by its sign alone, what has none on both sides
-        bounded = parameter.unit in ("1", "rad")
+        bounded = parameter.unit in ("1", "rad") and not parameter.choice  # a place may be turns away
         assert math.isfinite(parameter.upper) == bounded
         assert parameter.lower in (0.0, POSITIVE, -math.inf) or bounded
+        assert not parameter.choice or parameter.choice in effect.options[effect.law]
 
 
 @ids
@@ -102,12 +103,14 @@ def test_switching_an_effect_compiles_no_kernel(stock, id):
 
 @ids
 def test_parameters_out_of_range_are_refused_with_the_range(stock, id):
-    for parameter in catalogue()[id].parameters:
+    effect = catalogue()[id]
+    for parameter in effect.parameters:
+        options = {effect.law: parameter.choice} if parameter.choice else {}
         beyond = [-1.0] if parameter.lower >= 0.0 else []
         beyond += [parameter.upper * 2.0 + 1.0]  # of what is not bounded, infinity
         for value in (*beyond, math.nan, "much"):
             with pytest.raises(InputError, match=r"give|no number") as refused:
-                stock.with_effect(id, {parameter.name: value})
+                stock.with_effect(id, {parameter.name: value}, options)
             assert parameter.name in str(refused.value)
             assert parameter.unit == "1" or parameter.unit in str(refused.value)
 

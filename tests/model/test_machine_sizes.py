@@ -35,10 +35,11 @@ def scaled(instance, factor):
     return {name: value * (factor if units[name] in POWERS else 1.0) for name, value in instance.parameters.items()}
 
 
-def extremes(effect, factor):
+def extremes(effect, options, factor):
     """Each parameter at its bounds, and at a hundredth and ten times what is usual where it has none."""
-    usual = {p.name: p.default * (factor if p.unit in POWERS else 1.0) for p in effect.parameters}
-    for p in effect.parameters:
+    table = effect.parameters_with(options)
+    usual = {p.name: p.default * (factor if p.unit in POWERS else 1.0) for p in table}
+    for p in table:
         ends = [end for end in (p.lower, p.upper) if math.isfinite(end) and end != POSITIVE]
         if math.isinf(p.upper):
             ends += [max(p.lower, usual[p.name] * share) for share in (0.01, 10.0)]
@@ -62,7 +63,7 @@ def test_every_possible_number_is_written_read_and_simulated(stock, tmp_path, in
         {"current": 0.2 * np.sin(np.arange(60) / 10.0), "speed": np.zeros(60), "motor_position": np.zeros(60)},
     )
     base = machine if catalogue()[id].repeatable else machine.without_effect(id) if id in machine.effects else machine
-    for parameters in extremes(catalogue()[id], inertia / STOCK):
+    for parameters in extremes(catalogue()[id], options, inertia / STOCK):
         model = base.with_effect(id, parameters, options)
         read = load_model(save_model(model, tmp_path / "model.yaml", force=True))
         assert dict(read.effects) == dict(model.effects)

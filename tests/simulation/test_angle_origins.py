@@ -141,5 +141,7 @@ def test_only_what_acts_at_an_angle_is_told_of(stock, runs):
         instances = [stock.with_effect(id).effects[id]]
         assert bool(without_common_zero(blind, instances)) == tells
         assert not without_common_zero(runs, instances)
+    placed = stock.with_effect("spring_load", {"angle": -2.0}, {"relaxed": "angle"}).effects["spring_load"]
+    assert without_common_zero(blind, [placed]) and not without_common_zero(runs, [placed])
     known = [replace(run, output_angle_origin=0.2) for run in blind]
     assert not without_common_zero(known, [stock.with_effect("output_ripple").effects["output_ripple"]])

@@ -55,7 +55,7 @@ def run(
     name = list(after.effects)[-1]
     instance = after.effects[name]
     console.print(f"[bold]{name}[/bold] added to {before.name}, written to {output}", soft_wrap=True)
-    for parameter in found.parameters:
+    for parameter in found.parameters_with(instance.options):
         given = "given" if parameter.name in parameters else "typical value, not fitted"
         value = with_unit(instance.parameters[parameter.name], after.parameter_unit(found.id, parameter.name))
         console.print(f"  {parameter.name} = {value} ({given})")

@@ -93,7 +93,8 @@ def _show_one(effect: Effect, name: str | Path) -> None:
     table.words("range", "meaning")
     for p in effect.parameters:
         possible = range_words(p.lower, p.upper)
-        table.add_row(p.name, escape(p.unit), f"{p.default:g}", possible, escape(p.description))
+        only = f"; with {effect.law}: {p.choice}" if p.choice else ""
+        table.add_row(p.name, escape(p.unit), f"{p.default:g}", possible, escape(p.description + only))
     console.print(table)
     for option, choices in effect.options.items():
         other = ", or another positive number" if option == effect.free_option else ""

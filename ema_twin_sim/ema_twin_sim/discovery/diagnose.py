@@ -261,7 +261,7 @@ def _ranked(
             p.unit,
             angle=p.periodic,
         )
-        for p in catalogue()[instance.effect].parameters
+        for p in catalogue()[instance.effect].parameters_with(instance.options)
     }
     options = shown_options(f.hypothesis.base, instance.options)
     return Ranked(instance.effect, options, probability, removed, parameters, found)

@@ -27,6 +27,7 @@ from ..model.own_units import is_linear, shown
 from ..plant.measured_motion import MOTOR_ANGLE
 from ..quantities import quantity
 from ..simulation.angle_origins import acts_at_an_angle
+from .zeros_by_load import loads_of
 
 LINES = 4  # most lines of the order spectrum that are used
 STEP = ORDERS[1] - ORDERS[0]
@@ -54,7 +55,7 @@ def differing_zeros(f: Fit) -> dict[str, float]:
     problem, base = f.problem, f.hypothesis.base
     if not base.other_orders or problem.rows > problem.size or len(problem.observations) < 2:
         return {}
-    if any(acts_at_an_angle(catalogue()[instance.effect]) for instance in base.active.values()):
+    if any(map(acts_at_an_angle, base.active.values())):
         return {}
     parts = over_the_angle(problem, f.residual)
     names = list(parts)
@@ -110,14 +111,14 @@ def of_differing_zeros(by: Mapping[str, float], model: Model, end: Model) -> tup
     _, unit = shown(model, 1.0, "rad")
     each = listed(f"{quantity(way, unit)} for {name}" for name, way in by.items())
     return (
-        "the zero of the position differs between recordings: what repeats along it begins elsewhere. discover moved "
+        "the zero of the position differs between recordings: what depends on it begins elsewhere. discover moved "
         f"the zeros to one; {_then(end, each)}",
     )
 
 
 def _then(end: Model, each: str) -> str:
     """What is left to do before these recordings are compared with the model that was found."""
-    if waves_of(end):
+    if waves_of(end) or loads_of(end):
         return "compare, fit and report move them to that of the new model, and say by how much"
     return f"before you compare, add to the positions {each}"
 

@@ -22,6 +22,7 @@ from ..measured.switching_ripple import with_switching_ripple
 from ..model import Model
 from .differing_zeros import as_recorded, differing_zeros, with_zeros_moved
 from .torque_constant import with_assumed_constant_free
+from .zeros_by_load import zeros_by_load
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +53,8 @@ def read_with_one_zero(recordings: Sequence[Recording], given: Model) -> Reading
     read = _read(recordings, given)
     if not all(recording.has("motor_position") for recording in recordings):
         return read  # an integrated speed has no zero to move
-    zeros = as_recorded(recordings, differing_zeros(fit(read.problem, read.null)), read.model)
+    without = fit(read.problem, read.null)
+    zeros = as_recorded(recordings, zeros_by_load(without) or differing_zeros(without), read.model)
     return replace(_read(with_zeros_moved(recordings, zeros), given), zeros=zeros) if zeros else read
 
 

@@ -1,7 +1,7 @@
-"""Zeros of the motor's position that differ from the one at which a model's own waves were found.
+"""Zeros of the motor's position that differ from the one at which a model's own waves or loads were found.
 
 An incremental counter starts anew when it is switched on. A model that holds the torques which repeat with the motor's
-angle then tells, of every further recording, by how much its zero is off: by as much as its waves are.
+angle, or a load at an angle, then tells of every further recording by how much its zero is off: by as much as these are.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from ..measured.scales import to_own_units
 from ..model import Model
 from ..model.own_units import is_linear
 from ..quantities import quantity
+from ..words.sentences import effect_words
 from .differing_zeros import (
     as_recorded,
     best_shift,
@@ -37,6 +38,7 @@ from .differing_zeros import (
     waves_of,
     with_zeros_moved,
 )
+from .zeros_by_load import loads_of, zeros_by_known_load
 
 SAMPLES = 100_000  # of a recording that tell its zero: those of its longest way
 
@@ -47,18 +49,21 @@ def with_the_models_zeros(
     """The recordings, with the zeros of their positions moved to where the ``model`` says, and what to say of it.
 
     ``between_them``: only by what they differ from each other, since the model's own angle is still to be fitted. The
-    first recording that is moved carries the warning.
+    first recording that is moved carries the warning. Where a load is the same way off in all recordings, none is
+    moved: it may be the model that is wrong.
     """
     by = zeros_by_model(recordings, model)
     if between_them:
         by = _apart(recordings, by)
     if not by:
         return list(recordings), ()
+    if not waves_of(model) and not _apart(recordings, by):
+        return list(recordings), (_of_another_angle(by, model),)
     unit = "m" if is_linear(model) else "rad"
     each = listed(f"{quantity(way, unit)} for {name}" for name, way in by.items())
     told = (
         f"the zeros of the positions differ from the one of {model.name}, as those of a counter do that starts anew: "
-        f"they are moved by {each}. If the encoder is absolute, the phases of the model are wrong instead: run fit"
+        f"they are moved by {each}. If the encoder is absolute, the angles of the model are wrong instead: run fit"
     )
     moved = with_zeros_moved(recordings, by)
     first = next(k for k, recording in enumerate(moved) if recording.name in by)
@@ -66,16 +71,28 @@ def with_the_models_zeros(
     return moved, (told,)
 
 
+def _of_another_angle(by: Mapping[str, float], model: Model) -> str:
+    """Question about a load that acts elsewhere in all recordings by the same way: a weight more would look alike."""
+    way = quantity(next(iter(by.values())), "m" if is_linear(model) else "rad")
+    load = listed(effect_words(name) for name in loads_of(model))
+    return (
+        f"the {load} of {model.name} is elsewhere in these recordings, which begin where their counters read zero. If "
+        f"the counter starts anew, add {way} to the positions; otherwise run fit for its angle, or discover for another "
+        "load that is missing"
+    )
+
+
 def has_a_zero(model: Model) -> bool:
-    """Whether a model has a torque that repeats with turns, on a machine whose counter may start anew."""
-    return model.other_orders and bool(waves_of(model))
+    """Whether a model has a torque at an angle, on a machine whose counter may start anew."""
+    return bool(loads_of(model)) or (model.other_orders and bool(waves_of(model)))
 
 
 def zeros_by_model(recordings: Sequence[Recording], given: Model) -> dict[str, float]:
     """How far to move the zeros of the recordings' positions, in their own unit; those that agree are left out.
 
-    Empty for a model without a torque that repeats with turns, or if nothing tells the zeros: with an encoder on the
-    output as well. Recordings without a position, and operating points, are left as they are.
+    Waves tell it if the model has some, otherwise its load. Empty for a model without a torque at an angle, or if
+    nothing tells the zeros: with an encoder on the output as well. Recordings without a position, and operating points,
+    are left as they are.
     """
     telling = _telling(recordings)
     if not telling or not has_a_zero(given):
@@ -88,15 +105,17 @@ def zeros_by_model(recordings: Sequence[Recording], given: Model) -> dict[str, f
         return {}  # nothing can be judged by torque; whoever judges the recordings says why
     if not problem.size or problem.rows > problem.size:
         return {}
-    bare = model
-    for name in waves_of(model):
+    waves, bare = waves_of(model) if model.other_orders else [], model
+    for name in waves or loads_of(model):
         bare = bare.with_enabled(name, False)
     without = fit(problem, null_hypothesis(bare))
+    if not waves:
+        return as_recorded(telling, zeros_by_known_load(without, model), model)
     whole = null_hypothesis(model)
     known = {path: value for path, value in without.hypothesis.by_path.items() if path in whole.by_path}
     there = problem.predict(whole.put({**whole.by_path, **known}))
-    waves = problem.residual(without.predicted) - problem.residual(there)
-    by = _shifts(problem, without.residual, waves * without.weights, linear=is_linear(model))
+    of_waves = problem.residual(without.predicted) - problem.residual(there)
+    by = _shifts(problem, without.residual, of_waves * without.weights, linear=is_linear(model))
     return as_recorded(telling, by, model)
 
 

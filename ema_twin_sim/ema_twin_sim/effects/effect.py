@@ -60,7 +60,7 @@ class Parameter:
 
     A parameter that acts ``at_rest`` only is not visible in motion, and is not fitted to it. A ``driven`` speed is one
     over which an effect fades. It is searched up to that share of the fastest recorded speed: beyond, it would be
-    another effect.
+    another effect. A parameter with a ``choice`` belongs to that choice of its effect's ``law`` only.
     """
 
     name: str
@@ -74,6 +74,7 @@ class Parameter:
     neutral: float | None = 0.0
     at_rest: bool = False
     driven: float = 0.0
+    choice: str = ""
 
 
 @dataclass(frozen=True)
@@ -186,6 +187,10 @@ class Effect:
     def allows(self, option: str, choice: str) -> bool:
         """Whether an option accepts this choice."""
         return choice in self.options[option] or (option == self.free_option and _positive(choice))
+
+    def parameters_with(self, options: Options) -> tuple[Parameter, ...]:
+        """The parameters of an instance with these options: all but those of another law."""
+        return tuple(p for p in self.parameters if not p.choice or p.choice == options[self.law])
 
     def default_options(self) -> dict[str, str]:
         """The first choice of every option."""

@@ -275,7 +275,7 @@ def _parameters(fitted: Model, solution: Solution, sure: Uncertainty) -> dict[st
         if not instance.enabled:
             continue
         found[name] = {"effect": instance.effect, "options": dict(instance.options)}
-        for p in catalogue()[instance.effect].parameters:
+        for p in catalogue()[instance.effect].parameters_with(instance.options):
             value = instance.parameters[p.name]
             std = _spread(f"effects.{name}.{p.name}", solution, sure)
             found[name][p.name] = shown_entry(fitted, value, std, p.unit, angle=p.periodic)

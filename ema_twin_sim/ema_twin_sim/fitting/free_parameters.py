@@ -148,7 +148,7 @@ def all_paths(model: Model) -> tuple[str, ...]:
         f"effects.{name}.{parameter.name}"
         for name, instance in model.effects.items()
         if instance.enabled
-        for parameter in catalogue()[instance.effect].parameters
+        for parameter in catalogue()[instance.effect].parameters_with(instance.options)
     )
     return (*effects, *model.constants)
 

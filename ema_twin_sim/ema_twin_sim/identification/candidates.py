@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from ..effects import Effect, Trait, catalogue
+from ..effects import Trait, catalogue
 from ..model.own_units import is_linear
 from ..model.roles import DRY_FRICTION, SENSOR_WAVE
 from ..plant.layout import ANGLE_ERRORS
@@ -80,9 +80,13 @@ def addable(h: Hypothesis, id: str) -> bool:
     return catalogue()[id].repeatable or id not in h.held
 
 
-def starts(effect: Effect, of: Reached) -> Iterator[dict[str, float]]:
-    """Shape parameters from which the search of an effect begins: all but a size in which it is linear."""
+def starts(c: Candidate, of: Reached) -> Iterator[dict[str, float]]:
+    """Shape parameters from which the search of an effect begins: all but a size in which it is linear.
+
+    None if the recordings do not show what these options do.
+    """
+    effect = catalogue()[c.effect]
     size = effect.parameters[0]
-    shapes = [p for p in effect.parameters if p is not size or p.neutral is None]
+    shapes = [p for p in effect.parameters_with(c.options) if p is not size or p.neutral is None]
     for choice in itertools.product(*(start_values(effect, p, of) for p in shapes)):
         yield dict(zip((p.name for p in shapes), choice, strict=True))

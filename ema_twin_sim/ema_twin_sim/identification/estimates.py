@@ -90,7 +90,7 @@ def parameters(f: Fit, sure: Mapping[str, float]) -> dict[str, dict[str, Any]]:
             "effect": instance.effect,
             "options": shown_options(f.hypothesis.base, instance.options),
         }
-        for p in effect.parameters:
+        for p in effect.parameters_with(instance.options):
             value = instance.parameters[p.name]
             std = reported(sure.get(f"effects.{name}.{p.name}"), value, p)
             entry[p.name] = shown_entry(f.hypothesis.base, value, std, p.unit, angle=p.periodic)

@@ -200,13 +200,14 @@ class Hypothesis:
         name, number = id, 2
         while name in self.added or name in self.base.effects:
             name, number = f"{id}_{number}", number + 1
-        instance = EffectInstance(id, dict(options), dict(parameters))
+        table = effect.parameters_with(options)
+        instance = EffectInstance(id, dict(options), {p.name: parameters.get(p.name, p.default) for p in table})
         free = list(self.free)
         values = list(self.values)
-        for p in effect.parameters:
+        for p in table:
             if p.at_rest:
                 continue
-            start = parameters[p.name]
+            start = instance.parameters[p.name]
             # without torque data, own units follow only from a typical speed, so a default size does not apply
             size = abs(start) if start and not self.by_torque else max(abs(start), abs(p.default), 1e-6)
             step = 1e-3 if p.periodic else (0.01 if p.neutral is None else 1e-3) * size

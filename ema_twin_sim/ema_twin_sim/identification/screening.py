@@ -34,7 +34,7 @@ class Screened:
 
 
 @dataclass(frozen=True, eq=False)
-class _Known:
+class Known:
     """What a fit's free parameters can explain, priors included: an orthonormal basis, and the residual outside it."""
 
     basis: np.ndarray  # (m, k)
@@ -43,7 +43,7 @@ class _Known:
     root_inflation: np.ndarray  # (m,) divisor that gives each row the weight of a prior
 
     @classmethod
-    def of(cls, f: Fit) -> _Known:
+    def of(cls, f: Fit) -> Known:
         pr, pj = prior_rows(f.hypothesis)
         root_inflation = np.sqrt(f.row_variance_inflations)
         slopes = np.concatenate([f.jacobian / root_inflation[:, None], pj])
@@ -59,12 +59,12 @@ class _Known:
 
 def screen(problem: EquationErrorProblem, f: Fit, options: Sequence[Candidate]) -> list[Screened]:
     """Each candidate's gain before its penalty, at its best start, best first."""
-    known = _Known.of(f)
+    known = Known.of(f)
     together = max(1, AT_ONCE // max(problem.rows * problem.in_noise.itemsize, 1))
     jobs = [
         (c, groups[k : k + together])
         for c in options
-        for groups in [_start_groups(catalogue()[c.effect], problem.reached)]
+        for groups in [_start_groups(c, problem.reached)]
         for k in range(0, len(groups), together)
     ]
     found: dict[str, Screened] = {}
@@ -94,18 +94,18 @@ def _one_factor(f: Fit, c: Candidate) -> Screened:
     return Screened(c, {size.name: scale}, f.prior_cost - float(pr @ pr), lambda: moved.values - h.values)
 
 
-def _start_groups(effect: Effect, of: Reached) -> list[list[dict[str, float]]]:
+def _start_groups(c: Candidate, of: Reached) -> list[list[dict[str, float]]]:
     """Group starts that differ only in one angle: a wave of any phase is a sum of theirs."""
-    angle = regressed_angle(effect)
+    angle = regressed_angle(catalogue()[c.effect])
     turning = None if angle is None else angle.name
     groups: dict[tuple[float, ...], list[dict[str, float]]] = {}
-    for s in starts(effect, of):
+    for s in starts(c, of):
         groups.setdefault(tuple(v for k, v in s.items() if k != turning), []).append(s)
     return list(groups.values())
 
 
 def _screened(
-    problem: EquationErrorProblem, f: Fit, known: _Known, c: Candidate, groups: Sequence[Sequence[dict[str, float]]]
+    problem: EquationErrorProblem, f: Fit, known: Known, c: Candidate, groups: Sequence[Sequence[dict[str, float]]]
 ) -> list[Screened]:
     """Gain of a candidate at each of its starts, with its angle free; starts that change nothing are left out."""
     size = catalogue()[c.effect].parameters[0]
@@ -133,7 +133,7 @@ def _at_start(
     inside: np.ndarray,
     square: np.ndarray,
     along: np.ndarray,
-    known: _Known,
+    known: Known,
 ) -> Screened | None:
     """Gain of a candidate at one start, from products of its columns with each other and with the residual."""
     effect = catalogue()[c.effect]
@@ -191,14 +191,14 @@ def span_of(f: Fit, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     The second value (m,) divides the residual's rows, so that they weigh as much as a prior.
     """
-    known = _Known.of(f)
+    known = Known.of(f)
     outside = _outside(f, known, columns)
     squares, axes = np.linalg.eigh(outside.T @ outside)
     kept = squares > HARDLY * max(squares[-1], 1e-24)
     return outside @ axes[:, kept] / np.sqrt(squares[kept]), known.root_inflation
 
 
-def _outside(f: Fit, known: _Known, columns: np.ndarray) -> np.ndarray:
+def _outside(f: Fit, known: Known, columns: np.ndarray) -> np.ndarray:
     """Columns (m, c) as weighted in a fit, one row a prior below them, outside the span of its free parameters."""
     below = np.zeros((len(known.left) - len(f.raw), columns.shape[1]))
     a = np.concatenate([columns * (f.weights / known.root_inflation)[:, None], below])
@@ -207,7 +207,7 @@ def _outside(f: Fit, known: _Known, columns: np.ndarray) -> np.ndarray:
 
 def screen_generic_bases(problem: EquationErrorProblem, f: Fit) -> list[tuple[float, str]]:
     """(gain minus two a column for chance, name) of each generic basis by linear regression, best first."""
-    known = _Known.of(f)
+    known = Known.of(f)
     r = known.left
     found = []
     for name, columns in problem.generic_bases.items():

@@ -33,8 +33,8 @@ _POWERS = {
 class Reached:
     """What recordings reach: N m, rad/s and rad/s² of the fast shaft, rad of the slow shaft, s.
 
-    ``places`` are the smallest and largest angle of the slow shaft, by its encoder; ``period`` is the longest between
-    samples.
+    ``places`` are the smallest and largest angle of the slow shaft, by its encoder, and ``began`` the same of those at
+    which the recordings begin; ``period`` is the longest between samples.
     """
 
     torque: float
@@ -43,6 +43,7 @@ class Reached:
     travel: float
     duration: float
     places: tuple[float, float]
+    began: tuple[float, float]
     period: float
 
 
@@ -55,16 +56,16 @@ def reached(observations: Sequence[Observation]) -> Reached:
         else 0.0
         for column in (SPEED, ACCELERATION)
     )
+    angles = [o.output_origin + o.motion[:, OUTPUT_ANGLE] for o in observations]
+    began = [float(angle[0]) for angle in angles]
     return Reached(
         max((float(np.abs(o.torque).max()) for o in judged), default=0.0),
         speed,
         acceleration,
         max((float(np.ptp(o.motion[:, OUTPUT_ANGLE])) for o in observations), default=0.0),
         max((float(np.ptp(o.motion[:, TIME])) for o in observations), default=0.0),
-        (
-            min((o.output_origin + float(o.motion[:, OUTPUT_ANGLE].min()) for o in observations), default=0.0),
-            max((o.output_origin + float(o.motion[:, OUTPUT_ANGLE].max()) for o in observations), default=0.0),
-        ),
+        (min(map(np.min, angles), default=0.0), max(map(np.max, angles), default=0.0)),
+        (min(began, default=0.0), max(began, default=0.0)),
         max((o.period for o in observations), default=0.0),
     )
 

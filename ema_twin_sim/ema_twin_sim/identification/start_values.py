@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..criteria import SMALL
 from ..effects import Effect, Parameter
 from ..effects.catalogue import is_own
 from ..own_effects.wave import turns_a_wave
@@ -19,7 +20,7 @@ from .search_limits import Reached, search_limits
 
 WIDE = 100.0  # ratio of bounds from which on a positive parameter is spaced by factors
 SPREAD = 24  # starts of an effect with one shape parameter
-FEWEST = 4  # of each of several shape parameters
+FEWEST = 4  # of each of several shape parameters, and of one in which an effect is linear
 MOST = 400  # starts of all shape parameters together
 _TURNS = 4.0 * math.pi + 1.0  # rad, largest range of bounds that means an angle of a shaft: one turn, or two
 DECADES = {"rad/s": 3.5, "rad": 3.0, "s": 3.0}
@@ -35,6 +36,9 @@ def start_values(effect: Effect, parameter: Parameter, of: Reached) -> tuple[flo
         return _covered(effect, parameter, of)
     if parameter.periodic:
         return (0.0, 0.5 * math.pi)
+    if parameter.unit == "rad" and math.isinf(parameter.upper):  # a place, other than where the recordings begin
+        apart = of.began[1] - of.began[0] > SMALL * (of.places[1] - of.places[0])
+        return _linear(*of.places, FEWEST) if apart else ()
     lower, upper = parameter.lower, parameter.upper
     if lower > 0.0 and upper / lower > WIDE:
         ratio = (upper / lower) ** (1.0 / 7.0)

@@ -236,7 +236,10 @@ class Model:
             raise self._without(name)
         held = self.effects[name]
         effect, options = find_effect(held.effect, name), {**held.options, option: choice}
-        changed = checked_instance(effect, held.parameters, options, name, complete=True, motion=self.motion)
+        complete = option != effect.law  # another law may have further parameters, or fewer
+        kept = {p.name for p in effect.parameters_with(options)} if effect.allows(option, choice) else ()
+        parameters = {name: value for name, value in held.parameters.items() if complete or name in kept}
+        changed = checked_instance(effect, parameters, options, name, complete=complete, motion=self.motion)
         return replace(self, effects={**self.effects, name: replace(changed, enabled=held.enabled, open=held.open)})
 
     def with_setting(self, path: str, value: bool | float | str) -> Model:
@@ -303,15 +306,6 @@ def checked_instance(
     for name in parameters:
         if name not in table:
             raise InputError(f"{place}: effect {effect.id} has no parameter '{name}'; {nearest(str(name), table)}")
-    values = {}
-    for name, parameter in table.items():
-        if name not in parameters and complete:
-            raise InputError(
-                f"{place}: parameter '{name}' [{parameter.unit}] of effect {effect.id} is missing; give it"
-            )
-        given = parameters.get(name, parameter.default)
-        lower, upper, unit = parameter_range(parameter, motion)
-        values[name] = check_range(given, lower, upper, unit, f"{place}.{name}")
     chosen = effect.default_options()
     for name, choice in options.items():
         if name not in effect.options:
@@ -322,4 +316,19 @@ def checked_instance(
             known = ", ".join(effect.options[name])
             raise InputError(f"{place}: option {name} is '{choice}'; give one of {known}{other}")
         chosen[name] = str(choice)
+    own = {parameter.name: parameter for parameter in effect.parameters_with(chosen)}
+    if other := next((table[name] for name in parameters if name not in own), None):
+        raise InputError(
+            f"{place}: effect {effect.id} has no parameter '{other.name}' with {effect.law}: {chosen[effect.law]}; "
+            f"choose {effect.law}: {other.choice}, or leave it out"
+        )
+    values = {}
+    for name, parameter in own.items():
+        if name not in parameters and complete:
+            raise InputError(
+                f"{place}: parameter '{name}' [{parameter.unit}] of effect {effect.id} is missing; give it"
+            )
+        given = parameters.get(name, parameter.default)
+        lower, upper, unit = parameter_range(parameter, motion)
+        values[name] = check_range(given, lower, upper, unit, f"{place}.{name}")
     return EffectInstance(effect.id, MappingProxyType(chosen), MappingProxyType(values))

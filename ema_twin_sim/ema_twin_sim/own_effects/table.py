@@ -30,6 +30,10 @@ def checked_table(file: Path, effect: Effect) -> Effect:
     options = _checked_options(check, effect.options)
     if effect.law and effect.law not in options:
         raise check.error("EFFECT.law", f"'{effect.law}' is no option", "name one of EFFECT.options, or leave it out")
+    for parameter in parameters:
+        if parameter.choice and parameter.choice not in options.get(effect.law, ()):
+            place = f"EFFECT.parameters.{parameter.name}.choice"
+            raise check.error(place, f"{parameter.choice!r} is no choice of EFFECT.law", "give one, or leave it out")
     names = [parameter.name for parameter in parameters] + list(options)
     for name in names:
         if names.count(name) > 1:
@@ -73,7 +77,8 @@ def _checked_parameter(check: _Check, parameter: object, number: int) -> Paramet
         check.number(parameter.neutral, f"{place}.neutral")
     default, *starts = within.values()
     shapes = number > 0 or parameter.neutral is None
-    if shapes and not starts and not parameter.periodic and math.isinf(upper - lower):
+    anywhere = parameter.unit == "rad"  # a place: the recordings tell where to look for it
+    if shapes and not starts and not parameter.periodic and not anywhere and math.isinf(upper - lower):
         raise check.error(place, "has no bound, and no values to look for it at", "give starts=(...), or bounds")
     return replace(parameter, default=default, lower=lower, upper=upper, starts=tuple(starts), driven=driven)
 

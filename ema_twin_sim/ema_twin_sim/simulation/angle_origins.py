@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 from ema_bench_replay.recording import Recording
 
-from ..effects import Effect, catalogue
+from ..effects import catalogue
 from ..model import EffectInstance, Model
 from ..plant.layout import OUTPUT_TORQUE
 
@@ -33,7 +33,7 @@ def without_common_zero(recordings: Sequence[Recording], effects: Iterable[Effec
     found: dict[str, list[str]] = {}
     for instance in effects:
         effect = catalogue()[instance.effect]
-        if not acts_at_an_angle(effect):
+        if not acts_at_an_angle(instance):
             continue
         of_output = effect.where(instance.options) == OUTPUT_TORQUE or effect.depends_on in _OF_THE_OUTPUT
         blind = [
@@ -58,6 +58,8 @@ _OF_THE_OUTPUT = ("output_position", "encoders")
 _NAMED = 3
 
 
-def acts_at_an_angle(effect: Effect) -> bool:
+def acts_at_an_angle(instance: EffectInstance) -> bool:
     """Whether what an effect does depends on the angle itself, and so on its zero."""
-    return effect.depends_on == "order" or any(parameter.periodic for parameter in effect.parameters)
+    effect = catalogue()[instance.effect]
+    placed = any(p.periodic or (p.choice and p.unit == "rad") for p in effect.parameters_with(instance.options))
+    return effect.depends_on == "order" or placed

@@ -149,7 +149,7 @@ def longest_delay(model: Model) -> float:
 
 def effect_slots(effect: Effect, instance: EffectInstance) -> list[float]:
     """The four numbers passed to a compiled effect: its parameters, then a numeric option, then zeros."""
-    values = [instance.parameters[parameter.name] for parameter in effect.parameters]
+    values = [instance.parameters.get(parameter.name, parameter.default) for parameter in effect.parameters]
     if effect.option_value is not None:
         values.append(effect.option_value(instance.options))
     return values + [0.0] * (PARAMETER_SLOTS - len(values))

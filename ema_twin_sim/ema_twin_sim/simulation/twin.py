@@ -137,7 +137,7 @@ class Twin:
         ]
         for name, instance in self._model.effects.items():
             for p in catalogue()[instance.effect].parameters:
-                value = instance.parameters[p.name]
+                value = instance.parameters.get(p.name, p.default)  # of another law: it may be chosen in a run
                 path = f"effects.{name}.{p.name}"
                 lower, upper, unit = parameter_range(p, self._model.motion)
                 found.append(ParameterDescription(path, value, unit, lower, upper, p.description))

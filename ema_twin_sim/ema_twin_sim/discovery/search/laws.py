@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 from ...criteria import DEPENDS
 from ...effects import Effect, catalogue
+from ...identification.candidates import Candidate, starts
 from ...identification.fit import Fit, fit, fits
 from ...identification.hypothesis import Hypothesis
 from ..criteria.worth import penalised_gain
@@ -45,13 +46,17 @@ def _under_a_better_law(f: Fit, name: str, effect: Effect) -> Fit | None:
 
 
 def _under_other_laws(f: Fit, name: str, effect: Effect) -> list[Hypothesis]:
-    """The hypothesis of a fit with one of its effects under each law that it has not, from the same numbers."""
+    """The hypothesis of a fit with one of its effects under each law that it has not, from the same numbers.
+
+    Laws that the recordings do not show are left out.
+    """
     instance = f.hypothesis.instance(name)
     bare = f.hypothesis.without(name)
+    others = [{**instance.options, effect.law: law} for law in _laws(effect) if law != instance.options[effect.law]]
     return [
-        bare.with_effect(effect.id, {**instance.options, effect.law: law}, instance.parameters)
-        for law in _laws(effect)
-        if law != instance.options[effect.law]
+        bare.with_effect(effect.id, options, instance.parameters)
+        for options in others
+        if any(starts(Candidate(effect.id, options), f.problem.reached))
     ]
 
 

@@ -1,0 +1,213 @@
+"""Zeros of positions that differ between recordings, by a load that depends on where the output stands.
+
+An incremental counter reads zero wherever it is switched on. The same arm or return spring then acts at another angle
+in each recording, and no common one explains it; a shift of each recording does, with one size for all of them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import block_diag
+from scipy.optimize import least_squares
+
+from ..criteria import MOSTLY, NEGLIGIBLE
+from ..effects import Effect, Parameter, Trait, catalogue, effects_with
+from ..identification.equation import EquationErrorProblem
+from ..identification.fit import Fit
+from ..identification.screening import Known
+from ..model import EffectInstance, Model
+from ..model.own_units import is_linear
+from ..plant.measured_motion import MOTOR_ANGLE
+from ..simulation.angle_origins import acts_at_an_angle
+
+SAME_ROWS = 1e-9  # relative: columns that explain the same but for rounding
+Products = tuple[np.ndarray, np.ndarray]
+"""Of columns (m, k) with each other (k, k), and with the residual (k,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Load:
+    """A load at an angle: of a size, as a sum of two torques by which its angle in each recording is free."""
+
+    effect: Effect
+    options: dict[str, str]
+    angle: Parameter
+
+    def at(self, angle: float) -> EffectInstance:
+        """The load of its usual size at an ``angle`` [rad, output]."""
+        size = self.effect.parameters[0]
+        return EffectInstance(self.effect.id, self.options, {size.name: size.default, self.angle.name: angle})
+
+    @property
+    def two(self) -> tuple[EffectInstance, EffectInstance]:
+        """The two whose sum it is at any angle."""
+        return self.at(0.0), self.at(0.5 * math.pi if self.angle.periodic else 1.0)
+
+    def shares(self, size: float, angles: np.ndarray) -> np.ndarray:
+        """Shares (R, 2) of the two in loads of a ``size`` (in usual ones) at ``angles`` (R,) [rad]."""
+        if self.angle.periodic:
+            return size * np.stack([np.cos(angles), np.sin(angles)], 1)
+        return size * np.stack([1.0 - angles, angles], 1)
+
+    def of_shares(self, shares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The sizes (R,) and angles (R,) of given ``shares`` (R, 2)."""
+        if self.angle.periodic:
+            return np.hypot(*shares.T), np.arctan2(shares[:, 1], shares[:, 0])
+        sizes = shares.sum(1)
+        return sizes, shares[:, 1] / np.where(sizes == 0.0, 1.0, sizes)
+
+    def moved(self, angles: np.ndarray, to: float | np.ndarray) -> np.ndarray:
+        """How far (R,) [rad, output] to move zeros so that loads at ``angles`` (R,) are at the angle ``to``."""
+        if self.angle.periodic:
+            return np.remainder(angles - to + math.pi, 2.0 * math.pi) - math.pi
+        return to - angles
+
+
+def zeros_by_load(f: Fit) -> dict[str, float]:
+    """Angle [rad] to add to the motor's position, by recording, for a model that lacks a load; none if unsure.
+
+    The first recording keeps its zero. All must begin where their counters read zero.
+    """
+    if len(f.problem.observations) < 2 or loads_of(f.hypothesis.base) or not _begin_at_zero(f.problem):
+        return {}
+    columns = _Columns(f)
+    loads, steady = _loads(f.hypothesis.base), _steady_loads()
+    at_one_zero = [*steady, *(one for load in loads for one in load.two)]
+    least = min(columns.left(columns.together(at_one_zero)), columns.left(columns.apart(steady)))
+    best: dict[str, float] = {}
+    left = (1.0 - MOSTLY) * least
+    for load in loads:
+        after, angles = columns.at_free_angles(load)
+        if after < left:
+            left, best = after, _at_the_motor(f, load.moved(angles, angles[0]))
+    return best
+
+
+def zeros_by_known_load(f: Fit, model: Model) -> dict[str, float]:
+    """The same for a ``model`` with one such load, where its own angle is; ``f`` is the fit without it."""
+    held = loads_of(model)
+    if len(held) != 1 or not _begin_at_zero(f.problem):
+        return {}
+    instance = model.effects[held[0]]
+    load = next(load for load in _loads(model) if load.effect.id == instance.effect)
+    size = load.effect.parameters[0]
+    angle = instance.parameters[load.angle.name]
+    columns = _Columns(f)
+    known = instance.parameters[size.name] / size.default
+    as_told = columns.left_at(load, known, np.full(len(f.problem.observations), angle))
+    after, angles = columns.at_free_angles(load, known)
+    if after >= (1.0 - MOSTLY) * as_told:
+        return {}
+    return _at_the_motor(f, load.moved(angles, angle))
+
+
+def loads_of(model: Model) -> list[str]:
+    """The loads of a model that act at an angle of the output."""
+    return [name for name, held in model.active.items() if Trait.LOAD in catalogue()[held.effect].traits and acts_at_an_angle(held)]
+
+
+def _loads(model: Model) -> list[Load]:
+    """The loads at an angle that a machine may have."""
+    found = []
+    for id in sorted(effects_with(Trait.LOAD)):
+        effect = catalogue()[id]
+        choices = effect.options[effect.law] if effect.law else ("",)
+        for options in ({effect.law: choice} if choice else {} for choice in choices):
+            angle = next((p for p in effect.parameters_with(options) if p.unit == "rad"), None)
+            if angle is not None and not (is_linear(model) and Trait.OF_OUTPUT_TURNS in effect.traits):
+                found.append(Load(effect, options, angle))
+    return found
+
+
+def _steady_loads() -> list[EffectInstance]:
+    """The loads that are the same wherever the output stands."""
+    effects = (catalogue()[id] for id in sorted(effects_with(Trait.LOAD)))
+    return [
+        EffectInstance(effect.id, effect.default_options(), effect.default_parameters())
+        for effect in effects
+        if effect.depends_on != "output_position"
+    ]
+
+
+def _begin_at_zero(problem: EquationErrorProblem) -> bool:
+    """Whether all counters read zero where their recordings begin, and nothing but they tells where the output is."""
+    return problem.rows == problem.size > 0 and all(
+        not o.of_points
+        and abs(o.motor_origin + o.motion[0, MOTOR_ANGLE]) <= NEGLIGIBLE * float(np.ptp(o.motion[:, MOTOR_ANGLE]))
+        for o in problem.observations
+    )
+
+
+def _at_the_motor(f: Fit, ways: np.ndarray) -> dict[str, float]:
+    """Ways (R,) [rad] of the output as those of the motor, by recording; those of hardly any are left out."""
+    ratio = f.hypothesis.base.value("machine.gear_ratio")
+    least = NEGLIGIBLE * float(np.max(np.abs(ways)))
+    return {o.name: ratio * float(way) for o, way in zip(f.problem.observations, ways, strict=True) if abs(way) > least}
+
+
+class _Columns:
+    """Products of the rows that loads add to a fit, beside its free parameters: one set for all, or one a recording."""
+
+    def __init__(self, f: Fit) -> None:
+        self._f, self._known = f, Known.of(f)
+        self._all = float(self._known.left @ self._known.left)
+
+    def together(self, loads: Sequence[EffectInstance]) -> Products:
+        """(k, k) and (k,) for ``loads`` of one size in all recordings."""
+        return self._products(loads, [slice(0, self._f.problem.size)])
+
+    def apart(self, loads: Sequence[EffectInstance]) -> Products:
+        """(R k, R k) and (R k,) for ``loads`` of a size of its own in each recording."""
+        return self._products(loads, self._f.problem.torque_parts)
+
+    def _products(self, loads: Sequence[EffectInstance], parts: Sequence[slice]) -> Products:
+        problem, known, size = self._f.problem, self._known, self._f.problem.size
+        rows = np.stack([_rows(problem, self._f, load) for load in loads], 1)
+        rows *= (self._f.weights[:size] / known.root_inflation[:size])[:, None]
+        square = block_diag(*(rows[part].T @ rows[part] for part in parts))
+        inside = np.concatenate([known.basis[:size][part].T @ rows[part] for part in parts], axis=1)
+        along = np.concatenate([rows[part].T @ known.left[:size][part] for part in parts])
+        return square - inside.T @ inside, along
+
+    def left(self, products: Products) -> float:
+        """What loads of any size leave of the squares of the residual, in units of noise."""
+        square, along = products
+        return self._all - float(along @ np.linalg.lstsq(square, along, rcond=SAME_ROWS)[0])
+
+    def left_at(self, load: Load, size: float, angles: np.ndarray) -> float:
+        """The same for a load of a ``size`` (in usual ones) at an angle (R,) [rad] of each recording."""
+        square, along = self.apart(load.two)
+        shares = load.shares(size, angles).ravel()
+        return self._all - float(2.0 * shares @ along - shares @ square @ shares)
+
+    def at_free_angles(self, load: Load, size: float | None = None) -> tuple[float, np.ndarray]:
+        """What a load leaves that has one size, but an angle of its own in each recording; and these (R,) [rad].
+
+        ``size`` is in usual ones, None if it is free.
+        """
+        square, along = self.apart(load.two)
+        values, axes = np.linalg.eigh(square)
+        kept = values > SAME_ROWS * values[-1]
+        root = np.sqrt(values[kept])[:, None] * axes[:, kept].T
+        goal = (axes[:, kept].T @ along) / np.sqrt(values[kept])
+        sizes, angles = load.of_shares(np.linalg.lstsq(square, along, rcond=SAME_ROWS)[0].reshape(-1, 2))
+        own = [float(np.median(sizes))] if size is None else []
+
+        def missed(x: np.ndarray) -> np.ndarray:
+            return root @ load.shares(x[0] if own else size, x[len(own) :]).ravel() - goal
+
+        found = least_squares(missed, [*own, *angles], x_scale="jac").x
+        if own and not found[0] > 0.0:
+            return math.inf, angles
+        return self.left_at(load, found[0] if own else size, found[len(own) :]), found[len(own) :]
+
+
+def _rows(problem: EquationErrorProblem, f: Fit, load: EffectInstance) -> np.ndarray:
+    """Torque rows (m,) that a load adds to a fit of a rigid drivetrain, in units of noise."""
+    rows = problem.alone(f.predicted, load)
+    assert rows is not None  # a load only adds its torque, unless the output moves by itself
+    return rows[: problem.size]
