@@ -133,9 +133,7 @@ class TestOfAModelThatHoldsTheLoad:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("load", "named", "size"), [(arm, "gravity_load", TORQUE), (spring, "spring_load", STIFFNESS)]
-)
+@pytest.mark.parametrize(("load", "named", "size"), [(arm, "gravity_load", TORQUE), (spring, "spring_load", STIFFNESS)])
 def test_the_load_is_found_in_all_recordings(load, named, size, joint):
     """Gravity was named as a spring and something over time, a spring as gravity."""
     found = discover(runs(load), joint)

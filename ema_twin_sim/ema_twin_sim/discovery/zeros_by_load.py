@@ -107,7 +107,11 @@ def zeros_by_known_load(f: Fit, model: Model) -> dict[str, float]:
 
 def loads_of(model: Model) -> list[str]:
     """The loads of a model that act at an angle of the output."""
-    return [name for name, held in model.active.items() if Trait.LOAD in catalogue()[held.effect].traits and acts_at_an_angle(held)]
+    return [
+        name
+        for name, held in model.active.items()
+        if Trait.LOAD in catalogue()[held.effect].traits and acts_at_an_angle(held)
+    ]
 
 
 def _loads(model: Model) -> list[Load]:
@@ -195,15 +199,16 @@ class _Columns:
         root = np.sqrt(values[kept])[:, None] * axes[:, kept].T
         goal = (axes[:, kept].T @ along) / np.sqrt(values[kept])
         sizes, angles = load.of_shares(np.linalg.lstsq(square, along, rcond=SAME_ROWS)[0].reshape(-1, 2))
-        own = [float(np.median(sizes))] if size is None else []
+        held = size is not None
+        started = size if size is not None else float(np.median(sizes))
 
         def missed(x: np.ndarray) -> np.ndarray:
-            return root @ load.shares(x[0] if own else size, x[len(own) :]).ravel() - goal
+            return root @ load.shares(started if held else x[0], x[1:]).ravel() - goal
 
-        found = least_squares(missed, [*own, *angles], x_scale="jac").x
-        if own and not found[0] > 0.0:
+        found = least_squares(missed, [started, *angles], x_scale="jac").x
+        if not found[0] > 0.0:
             return math.inf, angles
-        return self.left_at(load, found[0] if own else size, found[len(own) :]), found[len(own) :]
+        return self.left_at(load, started if held else float(found[0]), found[1:]), found[1:]
 
 
 def _rows(problem: EquationErrorProblem, f: Fit, load: EffectInstance) -> np.ndarray:

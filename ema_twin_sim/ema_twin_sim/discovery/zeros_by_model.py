@@ -1,7 +1,7 @@
 """Zeros of the motor's position that differ from the one at which a model's own waves or loads were found.
 
 An incremental counter starts anew when it is switched on. A model that holds the torques which repeat with the motor's
-angle, or a load at an angle, then tells of every further recording by how much its zero is off: by as much as these are.
+angle, or a load at an angle, then tells of every further recording by how much its zero is off: as much as these are.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def _of_another_angle(by: Mapping[str, float], model: Model) -> str:
     load = listed(effect_words(name) for name in loads_of(model))
     return (
         f"the {load} of {model.name} is elsewhere in these recordings, which begin where their counters read zero. If "
-        f"the counter starts anew, add {way} to the positions; otherwise run fit for its angle, or discover for another "
+        f"the counter starts anew, add {way} to the positions; otherwise run fit for its angle, or discover for a "
         "load that is missing"
     )
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..effects import Effect, catalogue
+from ..effects import catalogue
 from ..model import EffectInstance
 from ..model.roles import TORQUE_FACTOR
 from ..parallel import predictions
@@ -44,6 +44,7 @@ class Known:
 
     @classmethod
     def of(cls, f: Fit) -> Known:
+        """What a fit explains, and leaves."""
         pr, pj = prior_rows(f.hypothesis)
         root_inflation = np.sqrt(f.row_variance_inflations)
         slopes = np.concatenate([f.jacobian / root_inflation[:, None], pj])

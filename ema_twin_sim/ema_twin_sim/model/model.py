@@ -317,10 +317,11 @@ def checked_instance(
             raise InputError(f"{place}: option {name} is '{choice}'; give one of {known}{other}")
         chosen[name] = str(choice)
     own = {parameter.name: parameter for parameter in effect.parameters_with(chosen)}
-    if other := next((table[name] for name in parameters if name not in own), None):
+    elsewhere = next((table[name] for name in parameters if name not in own), None)
+    if elsewhere is not None:
         raise InputError(
-            f"{place}: effect {effect.id} has no parameter '{other.name}' with {effect.law}: {chosen[effect.law]}; "
-            f"choose {effect.law}: {other.choice}, or leave it out"
+            f"{place}: effect {effect.id} has no parameter '{elsewhere.name}' with {effect.law}: {chosen[effect.law]}; "
+            f"choose {effect.law}: {elsewhere.choice}, or leave it out"
         )
     values = {}
     for name, parameter in own.items():
