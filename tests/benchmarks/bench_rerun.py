@@ -11,7 +11,7 @@ import pytest
 from ema_bench_replay.recording import Recording
 from ema_twin_sim import load_model
 from ema_twin_sim.report.content import shown
-from ema_twin_sim.simulation.sensor_noise import noise_floors
+from ema_twin_sim.simulation.compared_signals import noise_floors
 from ema_twin_sim.views import rerun_view
 from ema_twin_sim.views.recording_views import write_views
 

@@ -13,10 +13,10 @@ from ema_bench_replay.load import load
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.commands.shown_comparison import show_comparison
 from ema_twin_sim.comparison.compare import compare, compare_all
-from ema_twin_sim.comparison.running_comparison import UNITS, RunningComparison
+from ema_twin_sim.comparison.running_comparison import RunningComparison
 from ema_twin_sim.comparison.where import Dependence, Stretch, find_dependences
 from ema_twin_sim.simulation.command import parse_command
-from ema_twin_sim.simulation.sensor_noise import noise_floors
+from ema_twin_sim.simulation.compared_signals import UNITS, noise_floors
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 

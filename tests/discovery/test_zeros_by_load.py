@@ -125,7 +125,7 @@ class TestOfAModelThatHoldsTheLoad:
         given = runs(arm, starts=dict.fromkeys(STARTS, 0.4))
         same, (told,) = with_the_models_zeros(given, heavy)
         assert same == given
-        assert "gravity load of laas_motor is elsewhere" in told and "rad to the positions; otherwise run fit" in told
+        assert "gravity_load of laas_motor is elsewhere" in told and "rad to the positions; otherwise run fit" in told
 
     def test_nothing_is_said_where_it_is_as_the_model_has_it(self, heavy):
         for given in (runs(arm, anew=False), runs(arm, starts=dict.fromkeys(STARTS, 0.0))):

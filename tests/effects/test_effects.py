@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.comparison.running_comparison import UNITS
 from ema_twin_sim.effects import Effect, Parameter, catalogue, find_effect
 from ema_twin_sim.effects.effect import POSITIVE
 from ema_twin_sim.model import load_model, save_model
@@ -14,7 +13,7 @@ from ema_twin_sim.plant.kernel import kernel
 from ema_twin_sim.plant.operating_point import PARAMETER_SLOTS, OperatingPoint
 from ema_twin_sim.simulation.assembly import assemble
 from ema_twin_sim.simulation.command import parse_command
-from ema_twin_sim.simulation.sensor_noise import noise_floors
+from ema_twin_sim.simulation.compared_signals import UNITS, noise_floors
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.twin import Twin
 from ema_twin_sim.simulation.virtual_bench import virtual_bench

@@ -10,7 +10,7 @@ import pytest
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.simulation.command import parse_command
-from ema_twin_sim.simulation.sensor_noise import noise_floors
+from ema_twin_sim.simulation.compared_signals import noise_floors
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 

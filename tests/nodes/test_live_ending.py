@@ -16,9 +16,8 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.commands.live_error import ErrorPrinter
-from ema_twin_sim.comparison.running_comparison import UNITS
 from ema_twin_sim.nodes.live_session import Pair
-from ema_twin_sim.simulation.sensor_noise import noise_floors
+from ema_twin_sim.simulation.compared_signals import UNITS, noise_floors
 from ema_twin_sim.views import screen
 from tests.command_line import ENDING, ENVIRONMENT, MODEL, TWIN, told
 from tests.commands.test_interrupts import listening
@@ -100,7 +99,7 @@ import sys
 from ema_twin_sim.commands.live_view import LiveView
 from ema_twin_sim.model import load_model
 from ema_twin_sim.nodes.live_session import Pair
-from ema_twin_sim.simulation.sensor_noise import noise_floors
+from ema_twin_sim.simulation.compared_signals import noise_floors
 from ema_twin_sim.views import stream
 from ema_twin_sim.views.rerun_view import RerunView
 stream._VIEWER_PATIENCE = 1.0

@@ -9,7 +9,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from ema_bench_replay.units import SIGNALS
 from ema_twin_msgs import msg, srv
-from ema_twin_sim.simulation.sensor_noise import COMPARED
+from ema_twin_sim.simulation.compared_signals import COMPARED
 
 MESSAGES = Path(__file__).resolve().parents[2] / "ema_twin_msgs"
 PUBLISHED = (msg.EmaState, msg.Residual, msg.Health, msg.Diagnosis, msg.Run)
@@ -52,7 +52,7 @@ def test_a_state_holds_every_signal_of_a_recording():
 
 def test_every_compared_signal_is_in_a_residual():
     missing = [*{*COMPARED}.symmetric_difference(msg.Signals.get_fields_and_field_types())]
-    assert missing == [], "Signals.msg and _FLOORS of sensor_noise.py differ: add it there too, and run `make setup`"
+    assert missing == [], "Signals.msg and COMPARED of compared_signals.py differ: add it there too, and run `make setup`"
 
 
 def test_compared_signals_are_signals_of_the_state():

@@ -6,7 +6,7 @@ import pytest
 from ema_twin_sim.plant.balance import balance_response
 from ema_twin_sim.plant.layout import STATE
 from ema_twin_sim.simulation.assembly import assemble
-from ema_twin_sim.simulation.sensor_noise import noise_floors
+from ema_twin_sim.simulation.compared_signals import noise_floors
 
 PERIOD, COUNT = 0.02, 400
 

@@ -12,7 +12,7 @@ from ema_bench_replay.errors import InputError
 from ema_twin_sim.quantities import quantity
 from ema_twin_sim.report.content import shown
 from ema_twin_sim.report.residual_charts import failures
-from ema_twin_sim.simulation.sensor_noise import noise_floors
+from ema_twin_sim.simulation.compared_signals import noise_floors
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.views import screen
 from ema_twin_sim.views.bag_blueprint import save_blueprints

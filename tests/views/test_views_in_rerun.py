@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from ema_twin_sim.report.content import shown
-from ema_twin_sim.simulation.sensor_noise import noise_floors
+from ema_twin_sim.simulation.compared_signals import noise_floors
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.views.recording_views import write_views
 from ema_twin_sim.views.rerun_view import RerunView

@@ -113,8 +113,8 @@ def run(
     from ..nodes.live_session import HealthAsked
     from ..own_effects import load_effects
     from ..simulation.behind_motor import refuse_encoders_alone
+    from ..simulation.compared_signals import noise_floors
     from ..simulation.dc_link_check import refuse_recording_beyond_link
-    from ..simulation.sensor_noise import noise_floors
     from ..simulation.simulate import choose_input
     from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, write_json
     from .rerun_file import check_rrd_name, tell_of_rrd

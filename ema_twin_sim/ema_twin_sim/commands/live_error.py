@@ -70,7 +70,7 @@ class ErrorPrinter:
         return square == 0.0 or not any(name in self._sums for name in _BY_SETPOINT)
 
     def _print(self, elapsed: float) -> None:
-        from ..comparison.running_comparison import UNITS
+        from ..simulation.compared_signals import UNITS
 
         of = f" of {self._duration:.0f}" if self._duration else ""
         parts = []

@@ -8,17 +8,15 @@ from typing import TYPE_CHECKING
 
 from ..criteria import NOISY, SMALL
 from ..quantities import MOST_TIMES
+from ..simulation.compared_signals import drifting
 
 if TYPE_CHECKING:
     from .running_comparison import SignalError
 
-OPEN_LOOP = ("speed", "motor_position", "output_position")
-"""Signals that drift with the input ``current``, since nothing holds the twin's motion to the bench's."""
-
 
 def shown_signals(source: str, signals: Mapping[str, SignalError]) -> list[str]:
     """The compared signals whose errors are meaningful with a given input."""
-    left_out = OPEN_LOOP if source == "current" else ()
+    left_out = drifting(source)
     return [name for name, signal in signals.items() if not signal["driven"] and name not in left_out]
 
 

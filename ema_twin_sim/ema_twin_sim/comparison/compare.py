@@ -24,10 +24,11 @@ from ..model.matching import by_torque
 from ..model.own_units import shown
 from ..parallel import simulations
 from ..simulation.angle_origins import angle_origins, without_common_zero
+from ..simulation.compared_signals import UNITS
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
 from .beyond_noise import beyond_noise, shown_signals
 from .decisive_stretch import DecisiveStretch, decisive_stretch
-from .running_comparison import UNITS, RunningComparison, SignalError
+from .running_comparison import RunningComparison, SignalError
 from .setpoint_shift import SetpointShift, ShiftSums, setpoint_shift
 from .unknown_start import unknown_start
 from .where import Dependence, Stretch, find_dependences

@@ -10,24 +10,12 @@ from typing import TypedDict
 import numpy as np
 
 from ema_bench_replay.long_columns import by_pieces, pieces, times
-from ema_bench_replay.units import signal_unit
 
 from ..criteria import NOISY
 from ..model import Model
-from ..simulation.sensor_noise import COMPARED, noise_floors
-from ..simulation.simulate import BY_MOTOR, POINTWISE
+from ..simulation.compared_signals import UNITS, given_with, noise_floors
 from .beyond_noise import told_share
 from .independent_rows import independent_rows
-
-UNITS: dict[str, str] = {name: signal_unit(name) for name in COMPARED}
-"""The compared signals and their units; a residual is measured minus twin."""
-
-DRIVEN: dict[str, tuple[str, ...]] = {
-    "current": ("current",),
-    POINTWISE: ("speed", "motor_position", "output_position"),
-    BY_MOTOR: ("speed", "motor_position"),
-}
-"""Compared signals that drive the twin with a given input: their residuals mean nothing."""
 
 
 class SignalError(TypedDict):
@@ -159,7 +147,7 @@ class RunningComparison:
         self.samples += other.samples
         self._has_speed = self._has_speed or other._has_speed
         for name in UNITS:
-            if other.source != self.source and name in DRIVEN.get(other.source, ()):
+            if other.source != self.source and name in given_with(other.source):
                 continue
             self._count[name] += other._count[name]
             self._independent[name] += other._independent[name]
@@ -193,7 +181,7 @@ class RunningComparison:
     @property
     def beyond_noise(self) -> dict[str, float]:
         """Ratio of error to sensor noise in the last window for each signal that exceeds its noise, worst first."""
-        floor, left_out = self.noise_floor, set(DRIVEN.get(self.source, ()))
+        floor, left_out = self.noise_floor, {*given_with(self.source)}
         if self.source != "current":  # the current contains the information of the unexplained torque
             left_out.add("unexplained_torque")
         times = {n: rmse / floor[n] for n, rmse in self.rmse_window.items() if n not in left_out and floor[n] > 0.0}
@@ -216,7 +204,7 @@ class RunningComparison:
                 "relative": math.sqrt(self._square[name]) / norm if norm > 0.0 else 0.0,
                 "noise_floor": self.noise_floor[name],
                 "unit": UNITS[name],
-                "driven": name in DRIVEN.get(self.source, ()),
+                "driven": name in given_with(self.source),
             }
         return found
 

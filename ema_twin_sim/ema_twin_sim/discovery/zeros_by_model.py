@@ -27,7 +27,6 @@ from ..measured.scales import to_own_units
 from ..model import Model
 from ..model.own_units import is_linear
 from ..quantities import quantity
-from ..words.sentences import effect_words
 from .differing_zeros import (
     as_recorded,
     best_shift,
@@ -74,9 +73,8 @@ def with_the_models_zeros(
 def _of_another_angle(by: Mapping[str, float], model: Model) -> str:
     """Question about a load that acts elsewhere in all recordings by the same way: a weight more would look alike."""
     way = quantity(next(iter(by.values())), "m" if is_linear(model) else "rad")
-    load = listed(effect_words(name) for name in loads_of(model))
     return (
-        f"the {load} of {model.name} is elsewhere in these recordings, which begin where their counters read zero. If "
+        f"{listed(loads_of(model))} of {model.name} is elsewhere in these recordings, which begin where their counters read zero. If "
         f"the counter starts anew, add {way} to the positions; otherwise run fit for its angle, or discover for a "
         "load that is missing"
     )

@@ -25,8 +25,9 @@ from ..model import Model
 from ..model.roles import BRISTLE
 from ..parallel import simulations
 from ..plant.measured_motion import SPEED, TIME
+from ..simulation.compared_signals import noise_floors
 from ..simulation.longest_step import coarse_step
-from ..simulation.sensor_noise import counter_noise, noise_floors
+from ..simulation.sensor_noise import counter_noise
 from ..simulation.simulate_many import simulate_many
 from .free_parameters import FreeParameters
 from .misfit import Last

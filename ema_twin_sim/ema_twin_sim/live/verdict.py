@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping
 from enum import IntEnum
 
 from ..quantities import quantity
@@ -19,7 +19,7 @@ class Level(IntEnum):
 
 
 def level_of(
-    rmse: Mapping[str, float], noise_floor: Mapping[str, float], driven: Sequence[str], warn_at: float, error_at: float
+    rmse: Mapping[str, float], noise_floor: Mapping[str, float], driven: Collection[str], warn_at: float, error_at: float
 ) -> tuple[Level, str]:
     """The level of the worst signal, by its RMSE over its noise floor, and that signal in words.
 

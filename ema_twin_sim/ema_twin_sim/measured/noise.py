@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from ema_bench_replay.recording import Recording
 
 from ..model import Model
-from ..simulation.sensor_noise import noise_floors
+from ..simulation.compared_signals import noise_floors
 from .quieter_motion import as_measured
 from .scales import begun_near, to_rotary_equivalent
 

@@ -22,8 +22,10 @@ from ..model.constants import CONSTANTS
 from ..model.matching import BY_TORQUE, matched
 from ..model.model import ConstantValue
 from ..model.model_file import ABSENT
+from ..model.own_units import ORDER_UNIT
 from ..quantities import quantity
 from ..reading_noise import noise_of_points, polled_noise, reading_noise
+from ..simulation.compared_signals import COMPARED
 from ..simulation.sensor_noise import counter_noise
 from .row_noise import smallest_step
 from .speed_lag import speed_lag
@@ -45,18 +47,17 @@ def with_noise_of(recordings: Sequence[Recording], model: Model) -> tuple[Model,
         return model, ""
     found = [matched(part, model) for part in spread(recordings)]
     constants, told = dict(model.constants), []
-    for name in ("current", "speed", "motor_position", "output_position"):
-        side = name.removesuffix("_position")
-        path = f"sensors.{name}_noise" if side == name else f"sensors.{side}_encoder_counts"
+    for name, path in ((name, signal.sensor) for name, signal in COMPARED.items() if signal.sensor):
         noise = _noise(found, name)
         if constants[path].source != ABSENT or not noise > 0.0:
             continue
         value, unit = noise, CONSTANTS[path].unit
-        if side != name:
+        counts = unit == ORDER_UNIT
+        if counts:
             value, unit = model.turn / (math.sqrt(12.0) * noise), "rad"
         if not CONSTANTS[path].lower <= value <= CONSTANTS[path].upper:
             continue
-        constants[path] = ConstantValue(value, 0.0 if side != name else 0.05, _SOURCE)
+        constants[path] = ConstantValue(value, 0.0 if counts else 0.05, _SOURCE)
         said, signal = noise, name.replace("_", " ")
         if name == "current" and any(BY_TORQUE in recording.metadata for recording in found):
             said, unit, signal = noise * model.value("machine.torque_constant"), "N m", "torque"

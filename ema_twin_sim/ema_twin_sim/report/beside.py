@@ -10,12 +10,13 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..comparison.compare import explained_signals, in_native_units, stretch_of
-from ..comparison.running_comparison import DRIVEN, UNITS, RunningComparison
+from ..comparison.running_comparison import RunningComparison
 from ..comparison.where import Stretch
 from ..measured.scales import standstill, to_rotary_equivalent
 from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
+from ..simulation.compared_signals import UNITS, given_with
 from ..simulation.simulate import choose_input, simulate
 
 
@@ -69,7 +70,7 @@ def _beside(recording: Recording, model: Model, source: str, step: float | None,
     place = None
     for name, residual in residuals.items():
         place = in_native_units(model, name, stretch_of(recording, twin, residual, ratio))
-        if name in DRIVEN.get(source, ()):
+        if name in given_with(source):
             continue
         torque = name == "unexplained_torque"
         measured = recording.signals["current"] * constant if torque else recording.signals[name]

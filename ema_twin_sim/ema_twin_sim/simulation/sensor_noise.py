@@ -1,9 +1,8 @@
-"""The noise floor of every compared signal: the residual that remains if the twin is correct."""
+"""What a model's sensors add to the samples of a twin and its bench."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
@@ -15,10 +14,11 @@ from .assembly import assemble
 _SETTLED = 400  # samples after which one sample's noise has decayed in the balance's filters
 
 
-class _Sensors:
+class Sensors:
     """What a model's sensors add to a sample, SI."""
 
     def __init__(self, model: Model, has_speed: bool, period: float) -> None:
+        """Of a ``model`` that is sampled every ``period`` [s], with a measured speed or without."""
         self.model, self.has_speed, self.period = model, has_speed, period
         self.current = model.value("sensors.current_noise")
         self.speed = model.value("sensors.speed_noise")
@@ -38,30 +38,6 @@ class _Sensors:
         """Noise of the unexplained torque."""
         motion = self.speed if self.has_speed else counter_noise(self.model, "motor")
         return _balance_noise(self.model, self.current, motion, self.has_speed, self.period)
-
-
-_FLOORS: dict[str, Callable[[_Sensors], float]] = {
-    "current": lambda sensors: sensors.current,
-    "speed": lambda sensors: sensors.speed,
-    "motor_position": lambda sensors: sensors.position("motor"),
-    "output_position": lambda sensors: sensors.position("output"),
-    "unexplained_torque": lambda sensors: sensors.balance(),
-}
-COMPARED: tuple[str, ...] = tuple(_FLOORS)
-"""The signals in which a twin is compared with its bench: those whose noise floor is known."""
-
-
-def noise_floors(model: Model, *, has_speed: bool = True, period: float | None = None) -> dict[str, float]:
-    """RMSE per compared signal that remains if the twin is correct, SI.
-
-    Current and speed: their sensors' white noise. Positions: the counter's noise and quantisation twice, since they
-    count from one noisy first sample; the twin's own quantisation; and a lasting lag of the speed loop caused by the
-    first sample's current noise, from which the drive's integrator starts. The unexplained torque: the noise of current
-    and speed (or, if ``has_speed`` is false, of the motor counter used instead) through the filters of
-    ``plant.balance`` at a sample ``period`` [s] (by default the model's).
-    """
-    sensors = _Sensors(model, has_speed, period or model.value("sensors.sample_period"))
-    return {name: floor(sensors) for name, floor in _FLOORS.items()}
 
 
 def counter_noise(model: Model, side: str) -> float:

@@ -16,7 +16,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping
 
-from ..comparison.running_comparison import UNITS
+from ..simulation.compared_signals import UNITS
 from .palette import AFTER, BEFORE, MEASURED, Colour
 from .recording_views import layout
 from .rerun_view import live_blueprint

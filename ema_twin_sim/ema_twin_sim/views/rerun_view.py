@@ -10,10 +10,10 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from ..comparison.running_comparison import UNITS
 from ..model import Model
 from ..plant.planetary.geometry import Gearing
 from ..report.content import signal_words
+from ..simulation.compared_signals import UNITS
 from .beside_curves import signal_column, style_noise
 from .gear_train import log_train, send_motion, train_tab
 from .palette import AFTER, BEFORE, GOOD, MEASURED, RIVAL
