@@ -52,7 +52,7 @@ def test_a_state_holds_every_signal_of_a_recording():
 
 def test_every_compared_signal_is_in_a_residual():
     missing = [*{*COMPARED}.symmetric_difference(msg.Signals.get_fields_and_field_types())]
-    assert missing == [], "Signals.msg and COMPARED of compared_signals.py differ: add it there too, and run `make setup`"
+    assert missing == [], "Signals.msg and compared_signals.py differ: add it there too, and run `make setup`"
 
 
 def test_compared_signals_are_signals_of_the_state():

@@ -19,7 +19,11 @@ class Level(IntEnum):
 
 
 def level_of(
-    rmse: Mapping[str, float], noise_floor: Mapping[str, float], driven: Collection[str], warn_at: float, error_at: float
+    rmse: Mapping[str, float],
+    noise_floor: Mapping[str, float],
+    driven: Collection[str],
+    warn_at: float,
+    error_at: float,
 ) -> tuple[Level, str]:
     """The level of the worst signal, by its RMSE over its noise floor, and that signal in words.
 
