@@ -7,6 +7,7 @@ import pytest
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import POINTS, Recording
+from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.measured.scales import to_own_units
@@ -110,3 +111,16 @@ def test_operating_points_without_a_current_are_refused_unless_a_load_is_measure
     else:
         with pytest.raises(InputError, match="its current is 0 A all along; is that the right column"):
             discover([points], motor)
+
+
+def test_compare_asks_about_a_current_that_is_zero_all_along(motor):
+    """Its relative torque error would be divided by zero; a machine that runs down beside others is no question."""
+    time = np.arange(4000) * 1e-3
+    speed = 20.0 * np.sin(3.0 * time)
+    signals = {"current": np.zeros(4000), "speed": speed, "motor_position": -20.0 / 3.0 * np.cos(3.0 * time)}
+    zero = Recording("zero", np.arange(4000) * 10**6, signals)
+    driven = replace(zero, name="driven", signals={**signals, "current": 0.5 * np.sign(speed)})
+    found = compare([zero], motor)
+    assert [text for text in found.misread if "its current is 0 A all along; is that the right column" in text]
+    assert found.recordings[0].torque_error is None
+    assert not [text for text in compare([zero, driven], motor).misread if "all along" in text]

@@ -150,6 +150,11 @@ def test_mixed_number_formats_are_refused(trace):
     refused(trace(rows=far), "line 2002", "'C5:Drive_axis_1.r76'", "'0.1234' is no number")
 
 
+def test_a_value_that_is_not_there_is_told_as_that(trace):
+    rows = [f"{i},0;812.347;1;0,1234;{'NaN' if i == 5 else '0,1'};" for i in range(20)]
+    refused(trace(rows=rows), "line 7", "'C5:Drive_axis_1.r76'", "holds no value (NaN); correct it")
+
+
 @given(
     st.lists(st.integers(-(10**12), 10**12), min_size=1, max_size=30),
     st.integers(0, 6),

@@ -367,6 +367,8 @@ class _RowReader:
 
     def _no_number(self, line: int, column: int, cell: str) -> InputError:
         wrong = f"{cell!r} is no number in {self.format.example} format" if cell else "the cell is empty"
+        if cell.strip().lower() == "nan":
+            wrong = "holds no value (NaN)"
         return InputError(
             f"{self.path}: line {line}: column {self.header[column]!r}: {wrong}; correct it, remove the "
             "row, or leave the column out of the import map"

@@ -41,7 +41,10 @@ class TorqueError:
 
 
 def torque_error(recording: Recording, model: Model) -> TorqueError | None:
-    """The relative torque error of a recording; None if signals are missing, or with backlash or compliance."""
+    """The relative torque error of a recording; None if signals are missing, or with backlash or compliance.
+
+    None as well if the measured torque is zero all along.
+    """
     assembly = assemble(model)
     if assembly.plant[0]["two_inertia"] != 0.0:
         return None
@@ -49,7 +52,9 @@ def torque_error(recording: Recording, model: Model) -> TorqueError | None:
     if not parts:
         return None
     left, measured = parts[0] if len(parts) == 1 else np.linalg.norm(parts, axis=0)
-    unfiltered, filtered = (float(share) for share in left / np.maximum(measured, 1e-300))
+    if not measured.all():
+        return None
+    unfiltered, filtered = (float(share) for share in left / measured)
     return TorqueError(filtered, unfiltered)
 
 

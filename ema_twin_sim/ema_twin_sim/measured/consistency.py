@@ -92,6 +92,7 @@ def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recordi
     yield from _by_load(recording)
     yield from _by_limit(recording, model)
     yield from _by_noise(recording, model, beside)
+    yield from _by_zero_drive(recording, model, beside)
     yield from _by_idle_drive(recording, model, beside)
     yield from _by_inertia(recording, model, beside)
     yield from _by_voltage(recording, model)
@@ -180,6 +181,27 @@ def _by_noise(recording: Recording, model: Model, beside: Sequence[Recording]) -
         "noise of the current",
         share,
     )
+
+
+def _by_zero_drive(recording: Recording, model: Model, beside: Sequence[Recording]) -> Iterator[Inconsistency]:
+    """Whether a current is zero in every sample of all recordings, and no measured load drives the machine instead.
+
+    Beside others, such a recording is of a machine that runs down.
+    """
+    if not recording.has("current") or any(map(_is_driven, (recording, *beside))):
+        return
+    name, zero = _in_words(recording, model, 0.0)
+    yield Inconsistency(
+        recording.name,
+        f"its {name} is {zero} all along",
+        "is that the right column of the trace? Name it in the import map",
+        "zero drive",
+        certain=False,
+    )
+
+
+def _is_driven(recording: Recording) -> bool:
+    return recording.has("load_torque") or (recording.has("current") and bool(np.any(recording.signals["current"])))
 
 
 def _by_idle_drive(recording: Recording, model: Model, beside: Sequence[Recording]) -> Iterator[Inconsistency]:
