@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..criteria import NEGLIGIBLE
 from ..model.roles import FRICTION
 from .equation import EquationErrorProblem
 from .fit import Fit, prior_rows
@@ -139,6 +140,10 @@ def held_out(problem: EquationErrorProblem, f: Fit) -> tuple[list[np.ndarray], n
     still = [k for k, free in enumerate(h.free) if free.path.startswith("contact.") or free.lower == free.upper]
     near = linearised(f, still)
     information, (lower, upper) = near.information, problem.bounds(h)
+    # Others that tell hardly anything of a constant, such as friction at one speed alone, would throw it far off; what
+    # an effect explains in a recording is never told by that recording itself.
+    constants = np.array([free.path.startswith("scale.") for free in h.free], bool)
+    known = np.where(np.outer(constants, constants), NEGLIGIBLE * information, 0.0)
 
     def cost(trial: Hypothesis, residual: np.ndarray, others: np.ndarray) -> float:
         pr, _ = prior_rows(trial)
@@ -147,7 +152,7 @@ def held_out(problem: EquationErrorProblem, f: Fit) -> tuple[list[np.ndarray], n
     unmoved, found = left.copy(), []
     for t, e in zip(problem.torque_parts, problem.encoder_parts, strict=True):
         rows = np.r_[t, e]
-        step = move_without(information, near.slopes[rows], near.residual[rows])
+        step = move_without(information + known, near.slopes[rows], near.residual[rows])
         others = np.ones(problem.rows, bool)
         others[rows] = False
         # A first-order step may be far too long if one recording dominates: use the fraction that is best for the
