@@ -138,6 +138,17 @@ def test_counts_taken_twice_are_told_beside_another_recording_that_fits(driven, 
     assert "counted twice" in found.what
 
 
+def test_what_no_unit_explains_is_a_question_beside_most_that_fit(driven, stock):
+    """The noise of a slow run's speed drifts by more than its way."""
+    others = [replace(driven, name=f"other_{k}") for k in range(3)]
+    drifted = scaled(driven, speed=1.0 / 1.16)
+    (alone,) = inconsistencies(drifted, stock)
+    (beside,) = inconsistencies(drifted, stock, [drifted, *others])
+    assert alone.certain and not beside.certain and "motor_position is 1.16 times" in beside.what
+    degrees = next(inconsistencies(scaled(driven, speed=1.0 / DEGREE), stock, others))
+    assert degrees.certain
+
+
 def test_a_comparison_judges_a_slow_machine_as_a_discovery_does(stock):
     """What moves slowly is looked at over as much of its own time: one verb warns of what the other refuses."""
     units = OwnUnits(time=1e-2)  # a hundred times slower than the bench

@@ -25,7 +25,7 @@ from .drive_regression import sign_of_drive, torque_over_inertia
 from .idle_drive import idle_current
 from .induced_voltage import BUS, impossible_voltage
 from .load_sensor import falls_with_load
-from .signal_factors import DEGREES, usual_mistake, wrong_factors
+from .signal_factors import DEGREES, fits_elsewhere, usual_mistake, wrong_factors
 from .way_by_speed import standing_position
 
 _ALSO = {
@@ -113,6 +113,7 @@ def _by_factor(recording: Recording, model: Model, beside: Sequence[Recording]) 
             + _ALSO.get(frozenset(pair), "").format(ratio=model.value("machine.gear_ratio") / abs(found.value)),
             f"{factor.signal} {factor.other}{mistake}",
             factor.value,
+            certain=bool(mistake) or not fits_elsewhere(found, recording, model, beside),
         )
 
 
