@@ -16,7 +16,7 @@ import numpy as np
 from ema_bench_replay.recording import AT, Recording
 
 from ..comparison.orders import FEWEST_CYCLES, FEWEST_SAMPLES, ORDERS
-from ..criteria import CORRELATION, DEPENDS, NEGLIGIBLE, SMALL
+from ..criteria import CORRELATION, DEPENDS, MOSTLY, NEGLIGIBLE, SMALL
 from ..effects import catalogue
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
@@ -219,15 +219,21 @@ def _shifts(lines: Sequence[Line], noise: np.ndarray, tried: np.ndarray) -> np.n
 
 
 def _clearly_better(lines: Sequence[Line], noise: np.ndarray, shifts: np.ndarray) -> bool:
-    """Whether common waves explain much more with the ``shifts`` (R,) [rad] than without, chance left aside."""
+    """Whether common waves explain much more with the ``shifts`` (R,) [rad] than without, chance left aside.
+
+    And most of what waves of any size in each recording would: what one recording alone shows is none of the machine.
+    """
+    sure = [line.rows / noise for line in lines]
+    alone = sum(0.5 * float(np.sum(each * np.abs(line.waves) ** 2)) for line, each in zip(lines, sure, strict=True))
 
     def explained(by: np.ndarray) -> float:
         total = 0.0
-        for line in lines:
-            waves, sure = line.waves * np.exp(-1j * line.order * by), line.rows / noise
-            total += 0.5 * abs(np.sum(sure * waves)) ** 2 / max(float(np.sum(sure)), 1.0)
+        for line, each in zip(lines, sure, strict=True):
+            waves = line.waves * np.exp(-1j * line.order * by)
+            total += 0.5 * abs(np.sum(each * waves)) ** 2 / max(float(np.sum(each)), 1.0)
         return total / CORRELATION
 
     before, after = explained(np.zeros(len(shifts))), explained(shifts)
     chance = DEPENDS * np.count_nonzero(shifts)
-    return bool(np.any(shifts)) and bool(after - before > chance and before < (1.0 - NEGLIGIBLE) * after)
+    common = after > MOSTLY * alone / CORRELATION
+    return bool(np.any(shifts)) and common and bool(after - before > chance and before < (1.0 - NEGLIGIBLE) * after)

@@ -6,7 +6,7 @@ angle, or a load at an angle, then tells of every further recording by how much 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from statistics import median_low
 
@@ -18,7 +18,7 @@ from ema_bench_replay.recording import Recording
 from ..comparison.orders import FEWEST_CYCLES
 from ..criteria import NEGLIGIBLE
 from ..identification.equation import EquationErrorProblem
-from ..identification.fit import fit
+from ..identification.fit import Fit, fit
 from ..identification.null_hypothesis import null_hypothesis
 from ..listing import listed
 from ..measured.observe import observe_all
@@ -88,12 +88,28 @@ def has_a_zero(model: Model) -> bool:
 def zeros_by_model(recordings: Sequence[Recording], given: Model) -> dict[str, float]:
     """How far to move the zeros of the recordings' positions, in their own unit; those that agree are left out.
 
-    Waves tell it if the model has some, otherwise its load. Empty for a model without a torque at an angle, or if
-    nothing tells the zeros: with an encoder on the output as well. Recordings without a position, and operating points,
-    are left as they are.
+    The load of the model tells it, and its waves tell it more closely. Empty for a model without a torque at an angle,
+    or if nothing tells the zeros: with an encoder on the output as well. Recordings without a position, and operating
+    points, are left as they are.
     """
+    by: dict[str, float] = {}
+    if loads_of(given):
+        by = _by(recordings, given, loads_of(given), zeros_by_known_load)
+    if given.other_orders and (waves := waves_of(given)):
+        more = _by(with_zeros_moved(recordings, by), given, waves, _by_waves)
+        by = {name: by.get(name, 0.0) + more.get(name, 0.0) for name in {**by, **more}}
+    return by
+
+
+def _by(
+    recordings: Sequence[Recording],
+    given: Model,
+    effects: Sequence[str],
+    ways: Callable[[Fit, Model], Mapping[str, float]],
+) -> dict[str, float]:
+    """What ``ways`` [rad, motor] tells of a fit without some effects of a model in own units, as it was recorded."""
     telling = _telling(recordings)
-    if not telling or not has_a_zero(given):
+    if not telling:
         return {}
     try:
         measured = as_measured([_longest_way(recording) for recording in telling], given)
@@ -103,18 +119,19 @@ def zeros_by_model(recordings: Sequence[Recording], given: Model) -> dict[str, f
         return {}  # nothing can be judged by torque; whoever judges the recordings says why
     if not problem.size or problem.rows > problem.size:
         return {}
-    waves, bare = waves_of(model) if model.other_orders else [], model
-    for name in waves or loads_of(model):
+    bare = model
+    for name in effects:
         bare = bare.with_enabled(name, False)
-    without = fit(problem, null_hypothesis(bare))
-    if not waves:
-        return as_recorded(telling, zeros_by_known_load(without, model), model)
-    whole = null_hypothesis(model)
+    return as_recorded(telling, ways(fit(problem, null_hypothesis(bare)), model), model)
+
+
+def _by_waves(without: Fit, model: Model) -> dict[str, float]:
+    """The shift [rad] of each recording's motor by the waves of a ``model``, given the fit of one without them."""
+    problem, whole = without.problem, null_hypothesis(model)
     known = {path: value for path, value in without.hypothesis.by_path.items() if path in whole.by_path}
     there = problem.predict(whole.put({**whole.by_path, **known}))
-    of_waves = problem.residual(without.predicted) - problem.residual(there)
-    by = _shifts(problem, without.residual, of_waves * without.weights, linear=is_linear(model))
-    return as_recorded(telling, by, model)
+    waves = problem.residual(without.predicted) - problem.residual(there)
+    return _shifts(problem, without.residual, waves * without.weights, linear=is_linear(model))
 
 
 def _apart(recordings: Sequence[Recording], by: Mapping[str, float]) -> dict[str, float]:

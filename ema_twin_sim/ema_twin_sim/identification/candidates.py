@@ -7,10 +7,10 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from ..effects import Trait, catalogue
+from ..effects import Effect, Trait, catalogue
 from ..model.own_units import is_linear
 from ..model.roles import DRY_FRICTION, SENSOR_WAVE
-from ..plant.layout import ANGLE_ERRORS
+from ..plant.layout import ANGLE_ERRORS, TORQUE
 from .hypothesis import Hypothesis
 from .search_limits import Reached
 from .start_values import start_values
@@ -52,7 +52,8 @@ def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Can
                 continue  # the model tells which law this machine follows
             # a rigid drivetrain does not distinguish the sides
             unsided = h.parted or options.get("side", "motor") == "motor"
-            if options not in added and unsided and not _of_another_gearbox(h, options):
+            elsewhere = _of_another_gearbox(h, options) or _is_gravity(h, effect, options)
+            if options not in added and unsided and not elsewhere:
                 found.append(Candidate(id, options))
     return found
 
@@ -66,6 +67,12 @@ def _of_another_gearbox(h: Hypothesis, options: Mapping[str, str]) -> bool:
     order = float(options.get("order", 1.0))
     named = any(math.isclose(order, known, rel_tol=1e-3) for known in h.base.orders.values())
     return h.base.other_orders and not order.is_integer() and not named
+
+
+def _is_gravity(h: Hypothesis, effect: Effect, options: Mapping[str, str]) -> bool:
+    """Whether an effect is a torque once per turn of a motor that turns its output: gravity is the same."""
+    once = effect.depends_on == "order" and float(options.get("order", 1.0)) == 1.0 and not effect.electrical
+    return h.base.is_direct and once and effect.wave_angle is not None and effect.where(options) == TORQUE
 
 
 def addable(h: Hypothesis, id: str) -> bool:

@@ -68,7 +68,7 @@ def _is_wrong(factor: Factor, recording: Recording, model: Model, beside: Sequen
 
 
 def fits_elsewhere(factor: Factor, recording: Recording, model: Model, beside: Sequence[Recording]) -> bool:
-    """Whether most recordings ``beside`` this one have the same signals in proportion, as no wrong unit lets them be."""
+    """Whether most recordings ``beside`` this one have the same signals in proportion: then no unit is wrong."""
     others = (other for another in beside if another is not recording for other in _factors(another, model))
     alike = [other for other in others if other[:2] == factor[:2]]
     fitting = [other for other in alike if abs(other.value - 1.0) <= other.relation.off]

@@ -216,8 +216,8 @@ def standing_out(problem: EquationErrorProblem, f: Fit, gear_ratio: float | None
     """The orders with the most power, in cycles per motor turn, up to what the samples resolve.
 
     Over part of a turn, neighbouring orders are the same wave, and only the strongest of them counts. With a
-    ``gear_ratio``: in cycles per output turn, without those that are also whole for the motor, and without order 1,
-    which is gravity.
+    ``gear_ratio``: in cycles per output turn, without those that are also whole for the motor. Without order 1 of the
+    output, which is gravity.
     """
     at_output = gear_ratio is not None
     per_turn = gear_ratio or 1.0
@@ -235,7 +235,8 @@ def standing_out(problem: EquationErrorProblem, f: Fit, gear_ratio: float | None
         highest = highest_order(o) * per_turn
         residual = f.residual[part] - f.residual[part].mean()
         for order, found in enumerate(_powers(residual, angle, most), 1):
-            if lowest < order < highest and not (at_output and (order == 1 or _is_whole(order / per_turn))):
+            gravity = order == 1 and (at_output or direct)
+            if lowest < order < highest and not gravity and not (at_output and _is_whole(order / per_turn)):
                 power[order] += found
     apart = 1.0 / min(max(_turns(problem) / per_turn, 1.0 / most), 1.0)
     taken: list[int] = []
