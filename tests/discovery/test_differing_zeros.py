@@ -86,6 +86,12 @@ def test_a_recording_in_which_nothing_repeats_tells_no_zero(way, motor):
     assert not differing_zeros(fitted(given, motor))
 
 
+def test_a_wave_that_one_recording_alone_shows_tells_no_zero(motor):
+    """A slight one at its order is moved along in the others, to gain a little: a machine's waves have one size."""
+    slight = [turning(name, 0.0, 0.12, ((7, 0.003, phase),)) for name, phase in (("b", 1.3), ("c", -0.5))]
+    assert not differing_zeros(fitted([turning("a", 0.0, 0.1, ((7, 0.025, 0.3),)), *slight], motor))
+
+
 def test_a_model_that_cogs_already_says_where_the_zero_is(motor):
     """What is left of a known wave in a turned recording is another wave, which says nothing of the zero."""
     cogs = motor.with_effect("cogging", {"torque": 0.025, "phase": 0.3}, {"order": "7"})

@@ -36,21 +36,21 @@ def none(angle):
     return 0.0 * angle
 
 
-def swung(name, start, load, anew=True, way=0.8):
+def swung(name, start, load, anew=True, way=0.8, ratio=RATIO):
     """A joint that moves from ``start`` [rad] to and fro; its counter reads 0 there, or where its angle is 0."""
     random = np.random.default_rng(ord(name))
     time = np.arange(round(SECONDS / PERIOD)) * PERIOD
     fast = 2.0 * math.pi * (0.12 + 0.03 * random.random())
-    travel = RATIO * way * (np.sin(fast * time) + 0.2 * np.sin(3.1 * fast * time))
-    speed = RATIO * way * fast * (np.cos(fast * time) + 0.62 * np.cos(3.1 * fast * time))
-    acceleration = -RATIO * way * fast**2 * (np.sin(fast * time) + 0.2 * 3.1**2 * np.sin(3.1 * fast * time))
-    torque = INERTIA * acceleration + VISCOUS * speed + DRY * np.sign(speed) + load(start + travel / RATIO)
+    travel = ratio * way * (np.sin(fast * time) + 0.2 * np.sin(3.1 * fast * time))
+    speed = ratio * way * fast * (np.cos(fast * time) + 0.62 * np.cos(3.1 * fast * time))
+    acceleration = -ratio * way * fast**2 * (np.sin(fast * time) + 0.2 * 3.1**2 * np.sin(3.1 * fast * time))
+    torque = INERTIA * acceleration + VISCOUS * speed + DRY * np.sign(speed) + load(start + travel / ratio)
     signals = {
         "current": torque + NOISE * random.standard_normal(len(time)),
         "speed": speed + 1e-3 * random.standard_normal(len(time)),
         "motor_position": travel,
     }
-    origin = 0.0 if anew else RATIO * start
+    origin = 0.0 if anew else ratio * start
     return Recording(name, (time * 1e9).astype(np.int64), signals, motor_angle_origin=origin)
 
 
@@ -153,3 +153,30 @@ def test_a_return_spring_is_relaxed_at_its_own_angle(joint):
     together = discover(runs(spring, anew=False, starts=dict.fromkeys(STARTS, 0.2)), joint)
     assert set(together.added) == {"spring_load", "constant_load"}
     assert together.model.effects["spring_load"].options == {"relaxed": "start"}
+
+
+class TestAnArmOnAMotorThatCogs:
+    """It turns several times: the arm tells each zero roughly, its magnets closely."""
+
+    WAVE = 0.008
+
+    @pytest.fixture
+    def crank(self, known):
+        direct = known.with_value("machine.gear_ratio", 1.0)
+        direct = direct.with_effect("gravity_load", {"torque": TORQUE, "angle": ANGLE})
+        return direct.with_effect("cogging", {"torque": self.WAVE, "phase": -1.0}, {"order": "12"})
+
+    def turning(self):
+        def load(angle):
+            return arm(angle) + self.WAVE * np.sin(12.0 * angle - 1.0)
+
+        return [swung(name, start, load, way=12.0, ratio=1.0) for name, start in STARTS.items()]
+
+    def test_both_tell_the_zeros_of_the_model(self, crank):
+        assert zeros_by_model(self.turning(), crank) == pytest.approx(STARTS, abs=0.008)  # a twelfth of a turn is 0.52 rad
+
+    @pytest.mark.slow
+    def test_both_are_found(self, joint):
+        found = discover(self.turning(), joint.with_value("machine.gear_ratio", 1.0))
+        assert found.verdict == "explained" and set(found.added) == {"gravity_load", "cogging"}
+        assert found.model.effects["cogging"].parameters["torque"] == pytest.approx(self.WAVE, rel=0.05)

@@ -178,7 +178,7 @@ def told(found: Diagnosis, beyond: Mapping[str, float], motion: str = "rotary") 
     if effects:
         lines.append(f"Press a to add {'them' if len(effects) > 1 else 'it'} to the running twin.")
     if found.next_recording:
-        lines.append(f"To confirm, record {recording_words(found.next_recording, motion)}")
+        lines.append(f"Record next: {recording_words(found.next_recording, motion)}")
     # leave out ALONE, which asks for more recordings: a live run has only one
     return [*lines, *(warning for warning in found.warnings if warning not in ALONE)]
 

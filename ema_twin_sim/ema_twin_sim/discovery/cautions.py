@@ -1,6 +1,10 @@
 """Warnings that accompany a finding."""
 
-from ..criteria import SMALL
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..criteria import NEARLY_ALL, SMALL
 
 
 def of_open_constants() -> str:
@@ -8,6 +12,20 @@ def of_open_constants() -> str:
     return (
         "your model has unknown constants, and fitting them can hide a missing effect. An effect is named only if less "
         f"than {100.0 * SMALL:.0f} % of the drive's torque remains unexplained; constants from a data sheet help"
+    )
+
+
+def of_wrong_constants(off: Sequence[str], removed: float | None, model: str) -> tuple[str, ...]:
+    """Warning that constants of a ``model`` that are far ``off`` may be all that is wrong with it; empty otherwise.
+
+    ``removed`` is the share of the excess above the noise that fitting them removes.
+    """
+    if not off or removed is None or removed < NEARLY_ALL:
+        return ()
+    return (
+        f"{'; '.join(off)} Fitting the constants alone removes {100.0 * removed:.1f} % of the error beyond the noise: "
+        f"if the file of {model} is wrong there, nothing else need be missing. Correct it, or discover again with the "
+        "model that is written now",
     )
 
 

@@ -28,7 +28,7 @@ from ..model import Model
 from ..model.own_units import in_si, is_linear, native_as_given
 from ..simulation.angle_origins import without_common_zero
 from .assumed_torque import of_assumed_torque
-from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants
+from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants, of_wrong_constants
 from .criteria.contradictions import contradictions
 from .criteria.explained import explained
 from .differing_zeros import of_differing_zeros
@@ -231,8 +231,11 @@ def discover(
     better = with_factor_in_the_constant(better, best.hypothesis.base, given).fitted_from(given)
     end = given if as_given else with_hidden_as_given(better, given, recordings)
     refitted = {} if as_given or not problem.size else constants(best, errors, given)
+    off = far_off(best)
+    alone = of_wrong_constants(off, unseen.refit_removed, given.name) if verdict == "unknown" and not added else ()
     misread = (
         *read.doubts,
+        *alone,
         *unusual_currents(read.given, given),
         *(off_by_one_factor(refitted, given) if model.is_open else ()),
     )
@@ -253,7 +256,7 @@ def discover(
             *of_differing_zeros(read.zeros, model, end),
             *of_assumed_torque(read.given, given),
             *contradictions(problem, best),
-            *far_off(best),
+            *(() if alone else off),
             *of_straight_waves(problem, best),
             *(of_sums(problem, best, left) if refitted else ()),
             *(on_bounds(problem, best, errors) if problem.size else ()),
