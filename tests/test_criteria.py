@@ -21,7 +21,7 @@ METHOD = {
     "measured/induced_voltage.py": "BUS",
     "measured/load_sensor.py": "_WIDTH _SHARE _ENDS _FEWEST_POINTS _SPEED _MOVING _MOTION",
     "measured/observe.py": "START JITTER LEAST_NOISE WIDER LARGEST",
-    "measured/order_spectrum.py": "_ANGLE_BINS _LARGEST _FINER",
+    "measured/order_spectrum.py": "_ANGLE_BINS _LARGEST _LEAST _FINER",
     "measured/signal_factors.py": "DEGREES RPM TURN SETPOINT",
     "measured/adaptive_acceleration.py": "_TIMES _AGREE",
     "measured/robust_regression.py": "_STEPS",

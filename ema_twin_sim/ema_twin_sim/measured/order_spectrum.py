@@ -17,6 +17,7 @@ from ema_bench_replay.long_columns import by_pieces, extremes, mean_of, pieces, 
 
 _ANGLE_BINS = 512  # per turn: orders up to 256
 _LARGEST = 1 << 22  # angle bins of one transform, which then needs about 0.4 GB
+_LEAST = 4096  # bins of a transform, so that its orders lie close enough to be read between
 _FINER = 8  # orders tried within the width of a line
 
 
@@ -115,7 +116,7 @@ def _in_cells(orders: np.ndarray, residual: np.ndarray, mean: np.floating, angle
     for rows in cut.rows():
         place = np.floor(angle[rows] * per_radian).astype(np.int64) - first
         sums += np.bincount(place, residual[rows] - mean, bins)
-    length = 1 << max(12, (4 * bins - 1).bit_length())
+    length = _fast_length(max(_LEAST, 4 * bins))
     spectrum = np.abs(np.fft.rfft(sums, length)) ** 2 * (2.0 / cut.count)
     apart = _ANGLE_BINS / length
     at_centre = np.interp(orders, np.arange(len(spectrum)) * apart, spectrum)
@@ -123,3 +124,11 @@ def _in_cells(orders: np.ndarray, residual: np.ndarray, mean: np.floating, angle
     edges = np.ceil(np.append(orders - 0.5 * step, orders[-1] + 0.5 * step) / apart).astype(np.int64)
     inside = np.maximum.reduceat(spectrum, edges)[:-1]
     return np.maximum(at_centre, np.where(edges[1:] > edges[:-1], inside, 0.0))
+
+
+def _fast_length(least: int) -> int:
+    """The smallest length of at least so many bins that is a power of two, or three or five times one.
+
+    That of ``scipy.fft`` would cost most programs more time to import than it saves.
+    """
+    return min(times << max(0, ((least - 1) // times).bit_length()) for times in (1, 3, 5))
