@@ -222,6 +222,11 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
             f"{name}: not used, since it counts at a constant rate, as a clock does (if it counts a shaft's turns, say "
             "so in its name, as in 'motor position [counts]', and run init again)"
         )
+    if angles := guesses.phase_angles:
+        say(
+            f"{', '.join(angles)}: not used, since power analysers give the angle between voltage and current so (if "
+            "one is a shaft's, say so in its name, as in 'motor position [deg]', and run init again)"
+        )
     taken = next((guess.column for guess in guesses.signals if guess.signal == "motor_position"), "")
     for name in guesses.other_axes:
         say(

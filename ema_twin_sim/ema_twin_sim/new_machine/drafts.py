@@ -41,6 +41,7 @@ from .sign_words import how_it_is_turned, how_to_turn
 from .signal_columns import is_quadrature
 from .torque_beside_current import not_proportional
 from .unit_questions import questions_about_units
+from .unnamed_positions import HOW_TO_NAME, unnamed_beside_speed, unnamed_pair
 from .unsigned_drive import unsigned_signals
 
 _STILL = "not used, since it never changes, as of a sensor that is not connected, or of a shaft that is held"
@@ -133,6 +134,9 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
             f"{column['motor_position']}: of the same shaft as {column['speed']}, though {told} (if it is not, remove "
             "one of them and run init again)"
         )
+    if (lone := unnamed_beside_speed(guesses)) is not None:
+        guesses = guesses.with_origin_doubt(lone.signal, "no word of its name tells a position: is it one?")
+        assumed.append(f"{lone.column}: a position, though no word of its name tells one ({HOW_TO_NAME})")
     unsure, remedy = ("", "") if left_out else doubted_motors_torque(recordings, guesses)
     if unsure:
         guesses = guesses.with_doubt("motor_torque", unsure)
@@ -185,6 +189,11 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
                 f"{', '.join(read)}: read as the motor's, which turns {given.gear_ratio:g} times as fast as the output "
                 "(if of the output, say so in its name, as in 'output position [rad]', and run init again)"
             )
+    if (pair := unnamed_pair(guesses)) is not None and not given.gear_ratio:
+        names = f"{pair[0].column} and {pair[1].column}"
+        told = f"{names} go together, but no word of their names tells a motor or an output ({HOW_TO_NAME})"
+        shaft = replace(shaft, doubt_of_ratio=told)
+        guesses = guesses.with_origin_doubt("output_position", f"taken for one as it goes with {pair[0].column}")
     model = checked_model([_without(recording, magnitudes) for recording in recordings], given, shaft, source)
     if drives and not turned_drive:
         signs = _signs_of_drive(recordings, model)

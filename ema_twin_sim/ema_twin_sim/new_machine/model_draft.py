@@ -170,7 +170,7 @@ def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | 
     if shown is not None and not is_possible(shown):
         return _Ratio(1.0, ASSUMED, f"both positions give {abs(shown):.4g}, which no gear has: are their units right?")
     if shown is not None:
-        doubt = ""
+        doubt = shaft.doubt_of_ratio
         if shown < 0.0:
             doubt = "the shafts turn in opposite directions: give the output's position `factor: -1` in the map"
         elif abs(shown - 1.0) < ALIKE:

@@ -48,12 +48,14 @@ _WINDOWS = (0.1, 0.061)  # of a recording's samples, over which the motions of t
 class Shaft:
     """Whose turns a motor's position counts (``motor`` or ``output``), the gear ratio that shows, and what to check.
 
-    ``ratio`` is None if the recording shows none. An empty ``doubt`` means that there is none.
+    ``ratio`` is None if the recording shows none. An empty ``doubt`` means that there is none. ``doubt_of_ratio`` is of
+    one that both positions show.
     """
 
     name: str = "motor"
     ratio: float | None = None
     doubt: str = ""
+    doubt_of_ratio: str = ""
 
 
 def position_shaft(recording: Recording, gear_ratio: float | None, *, units_known: bool) -> Shaft:

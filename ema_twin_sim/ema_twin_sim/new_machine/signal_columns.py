@@ -22,6 +22,7 @@ from .column_words import (
     ESTIMATED,
     FEEDFORWARD,
     FILTERED,
+    FLOW_UNIT,
     MOTOR,
     MOVED,
     NO_SIGNAL,
@@ -68,7 +69,7 @@ def signal_column(read: HeaderWords) -> Column | None:
     no_signals = POWER_UNIT if by_words == "torque" else f"{POWER_UNIT}|{ACCELERATION_UNIT}"  # a force may be in g
     if read.quantity is None and (re.fullmatch(no_signals, read.foreign) or read.words[-2:] == ("k", "w")):
         return None  # a letter beside it, as of an axis X or S, is no symbol of a position
-    if quantity in (None, "time", "power"):
+    if quantity in (None, "time", "power") or re.fullmatch(FLOW_UNIT, read.foreign):
         return None
     words = _without_number_of_a_drive(read.words)
     axis = next((word for word in words[1:] if word in DIRECT_OR_PHASE), None) if len(words) == 2 else None
