@@ -36,7 +36,7 @@ from .model_draft import ModelDraft, draft_model, farthest
 from .never_changing import never_changing
 from .position_beside_speed import not_summed, share_beside_speed, unlike_speed
 from .rows import may_be_points
-from .shaft import Shaft, is_geared, is_possible, position_shaft, ratio_of_positions, too_slow_for_a_motor
+from .shaft import Shaft, is_geared, is_possible, position_shaft, ratio_of_positions, shaft_by_travel
 from .sign_words import how_it_is_turned, how_to_turn
 from .signal_columns import is_quadrature
 from .torque_beside_current import not_proportional
@@ -170,19 +170,25 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     if shaft.name == "motor" and _told_at_the_output(guesses):
         shaft = Shaft("output", given.gear_ratio)
     unnamed = not any(guess.of_motor for guess in guesses.signals if guess.signal in ("motor_position", "speed"))
-    if shaft == Shaft() and unnamed and (slow := too_slow_for_a_motor(recordings, given.gear_ratio)):
-        shaft = Shaft("output", given.gear_ratio, f"{slow}: assumed to be the output's angle")
+    asked_shaft = shaft == Shaft() and unnamed
+    by_travel = shaft_by_travel(recordings, given.gear_ratio, of_a_robot=bool(guesses.joint.name))
+    if asked_shaft and by_travel.name == "output":
+        few = by_travel.doubt
+        shaft = replace(by_travel, doubt=f"{few}: assumed to be the output's angle")
         placed = any(guess.signal == "motor_position" for guess in guesses.signals)
-        why = "assumed to be the output's, like the position" if placed else f"{slow}: assumed to be the output's"
+        why = "assumed to be the output's, like the position" if placed else f"{few}: assumed to be the output's"
         guesses = replace(guesses, signals=tuple(_of_the_output(guess, why) for guess in guesses.signals))
         recordings = _read(draft_map(guesses, of, shaft), traces)
         columns = ", ".join(g.column for g in guesses.signals if g.of_output and g.signal in AT_EITHER_SHAFT)
         assumed.append(
-            f"{columns}: read as values of the output shaft, {slow} (if one is the motor's, say so in its name, as in "
+            f"{columns}: read as values of the output shaft: {few} (if one is the motor's, say so in its name, as in "
             "'motor position [rad]', and run init again)"
         )
     elif is_geared(given.gear_ratio):
-        moving = ("motor_position", "speed") if shaft == Shaft() and unnamed else ()
+        moving = ("motor_position", "speed") if asked_shaft else ()
+        if asked_shaft and by_travel.doubt:
+            shaft = by_travel
+            guesses = guesses.with_doubt("speed", by_travel.doubt)
         read = [g.column for g in guesses.signals if g.signal in moving or _tells_the_constant(g, guesses, given)]
         if read:
             assumed.append(
