@@ -114,3 +114,16 @@ def test_a_torque_that_changes_does_not_stand_for_a_current_that_does_not():
     numbers["iq2 [A]"] = np.zeros(len(TIME))
     numbers["iq1 [A]"][5] = np.nan
     assert guess_columns(list(numbers), numbers=numbers).joint.name in ("1", "3")
+
+
+@pytest.mark.parametrize(("names", "joints"), [(("q{}", "qd{}", "i{}"), 2), (("q{}", "qd{}", "tau{}"), 3)])
+def test_joints_that_move_in_step_but_have_motors_of_their_own_are_no_train(names, joints):
+    """A robot first moved all joints to a pose, then one: two of the others were read as motor and output."""
+    together, alone = np.sin(TIME) * (TIME < 3.0), np.sin(3.0 * TIME) * (TIME >= 3.0)
+    numbers = {"t": TIME}
+    for joint in range(1, joints + 1):
+        angle = (0.2 + 0.1 * joint) * together + (3.0 * alone if joint == joints else 0.0)
+        motions = (angle, np.gradient(angle, TIME), np.cos((joint + 1.0) * TIME))
+        numbers |= dict(zip((name.format(joint) for name in names), motions, strict=True))
+    found = taken(numbers)
+    assert found["motor_position"] == f"q{joints}" and "output_position" not in found

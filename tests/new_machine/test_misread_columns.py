@@ -187,3 +187,11 @@ def test_counts_that_would_be_usual_with_another_unit_of_the_speed_are_asked_abo
     columns |= {"speed [rad/s]": speed * 30.0 / np.pi, "current [A]": 0.3 * np.sign(speed)}
     told = drafted(columns).told
     assert "8192 is, which it would be with the speed in rpm: is rad/s right?" in told
+
+
+@pytest.mark.parametrize(("letter", "name"), [("_i", "current"), ("n", "speed"), ("m", "torque"), ("x", "position")])
+def test_a_column_named_in_full_goes_before_a_letter(letter, name):
+    """An index ``_i`` was taken for the current in place of the column of that name."""
+    found = signals("t", letter, name)
+    assert name in found and letter not in found
+    assert letter in signals("t", letter)

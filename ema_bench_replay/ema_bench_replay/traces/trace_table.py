@@ -26,7 +26,7 @@ from ema_bench_replay.traces.time_of_day import is_time_of_day, seconds
 #: A longer trace is refused: it would not fit into the memory of an ordinary machine.
 LARGEST = 2 << 30
 _ROWS_FOR_DECIMALS = 50
-_MOST_AT_END = 3  # rows without numbers that a logger writes when it is switched off; more are no end
+_MOST_AT_AN_END = 3  # rows without numbers that a logger writes when it is switched on or off; more are no end
 _BYTES_FOR_NEWLINE = 1 << 16
 
 
@@ -91,8 +91,8 @@ def read_table(
     below it the same, or a row of units, which are appended to the names in brackets. Blank lines and comments may end
     the file. Columns may be separated by blanks, and a semicolon may end each row. Times of day and dates are converted
     to s. Rows that hold nothing in any column are left out, with one warning. An incomplete last row is dropped, with a
-    warning, and so are up to three last rows that lack a number in a needed column (in any if none is needed) in which
-    all rows before hold one. `delimiter` and `number_format` ("german", "english") are detected if they are None.
+    warning, and so are up to three first and last rows that lack a number in a needed column (in any if none is needed)
+    in which all others hold one. `delimiter` and `number_format` ("german", "english") are detected if they are None.
     `needed` returns for a header the columns that must hold numbers; others may hold words and empty cells. `progress`
     is called with the share read so far. Raises InputError.
     """
@@ -138,7 +138,7 @@ def read_table(
         rows.decimals,
         style,
         tuple(rows.warnings),
-        tuple(rows.empty),
+        tuple(sorted((*rows.empty, *rows.first))),
         in_seconds=in_seconds,
     )
 
@@ -162,6 +162,7 @@ class _RowReader:
         self.warnings: list[str] = []
         self.times_of_day: set[int] = set()  # columns that hold such
         self.empty: list[int] = []  # rows of the file, counted from 0, that hold nothing and are left out
+        self.first: list[int] = []  # the first rows, counted likewise, that are left out since they lack numbers
         self.written_delimiter = delimiter or next((mark for mark in (";", "\t", ",") if mark in header), ";")
         cells = [cell.strip().strip('"').strip() for cell in header.split(self.written_delimiter)]
         self.trailing = len(cells) > 1 and not cells[-1]
@@ -247,15 +248,16 @@ class _RowReader:
             f"{self.path.name}: line {line}: the last row is cut, so only the rows before it can be used"
         )
 
-    def _report_unreadable(self, line: int, count: int, column: str, cell: str) -> None:
-        """Warn of the last ``count`` rows, of which the first, in this line, holds such a cell."""
+    def _report_unreadable(self, line: int, count: int, column: str, cell: str, end: tuple[str, str]) -> None:
+        """Warn of ``count`` rows at an end, of which the first, in this line, holds such a cell."""
+        which, others = end
         holds = f"holds {cell!r}, which is no number" if cell else "is empty"
         if count == 1:
-            said = f"line {line}: the last row is left out, since its column {column!r} {holds}"
+            said = f"line {line}: the {which} row is left out, since its column {column!r} {holds}"
         else:
             said = (
-                f"lines {line} to {line + count - 1}: the last {count} rows are left out, since they lack numbers that "
-                f"all rows before hold; in the first of them, column {column!r} {holds}"
+                f"lines {line} to {line + count - 1}: the {which} {count} rows are left out, since they lack numbers "
+                f"that all rows {others} hold; in the first of them, column {column!r} {holds}"
             )
         self.warnings.append(f"{self.path.name}: {said}")
 
@@ -310,8 +312,8 @@ class _RowReader:
     def _careful(self, text: bytes, is_last: bool) -> np.ndarray:
         """The rows, cell by cell; InputError names the first wrong one.
 
-        The file's last few rows are left out if they lack numbers that all rows before hold, as a logger writes that is
-        switched off meanwhile.
+        The file's first and last few rows are left out if they lack numbers that all others hold, as a logger writes
+        that is switched on before its drive answers, or off meanwhile.
         """
         numbered = [(self.line + k, line) for k, line in enumerate(text.decode("latin-1").split("\n")[:-1])]
         whole = [(at, line) for at, line in numbered if not holds_nothing(line.split(self.delimiter))]
@@ -321,14 +323,16 @@ class _RowReader:
             self._report_torn(whole[-1][0])
             whole.pop()
         rows = np.empty((len(whole), len(self.header)))
-        at_end: dict[int, dict[int, str]] = {}  # cells of the last rows that are no numbers, by row and column
+        begins = self.line == self.first_line and len(whole) > 2 * _MOST_AT_AN_END
+        at_begin: dict[int, dict[int, str]] = {}  # cells of the first rows that are no numbers, by row and column
+        at_end: dict[int, dict[int, str]] = {}  # those of the last rows
         for number, (at, line) in enumerate(whole):
             cells = self._cells(line)
             if len(cells) != len(self.header):
                 self._refuse_unnamed([line for _, line in whole])
                 counts = f"has {len(cells)} cell{'s' * (len(cells) != 1)} where the header has {len(self.header)}"
                 raise InputError(f"{self.path}: line {at}: {counts}; remove or complete the row")
-            may_end = is_last and len(whole) - number <= _MOST_AT_END and at > self.first_line
+            may_end = is_last and len(whole) - number <= _MOST_AT_AN_END and at > self.first_line
             for column, cell in enumerate(cells):
                 try:
                     rows[number, column] = self.format.value(cell)
@@ -338,11 +342,41 @@ class _RowReader:
                         self.times_of_day.add(column)
                         continue
                     rows[number, column] = np.nan
-                    if may_end and not _is_number(cell):
+                    if begins and number < _MOST_AT_AN_END and not _is_number(cell):
+                        at_begin.setdefault(number, {})[column] = cell
+                    elif may_end and not _is_number(cell):
                         at_end.setdefault(number, {})[column] = cell
                     elif column in self.needed:
+                        self._refuse_needed(at_begin, [line for line, _ in whole])
                         raise self._no_number(at, column, cell) from None
-        return self._without_end(rows, at_end, [at for at, _ in whole])
+        lines = [at for at, _ in whole]
+        kept = self._first_kept(rows[: len(rows) - len(at_end)], at_begin, lines)
+        return self._without_end(rows[kept:], {row - kept: cells for row, cells in at_end.items()}, lines[kept:])
+
+    def _first_kept(self, rows: np.ndarray, at_begin: Mapping[int, Mapping[int, str]], lines: Sequence[int]) -> int:
+        """The first row that is not left out; ``at_begin`` are the first rows' cells that are none, ``lines`` theirs.
+
+        Raises InputError if a row that stays lacks a number in a needed column.
+        """
+        judged, kept = self.needed or range(len(self.header)), 0
+        for begin in range(len(at_begin), 0, -1):  # the most rows that all are the beginning
+            whole = np.isfinite(rows[begin:]).all(axis=0)
+            lacking = [self._lacking(at_begin.get(row, {}), whole, judged) for row in range(begin)]
+            if (column := lacking[0]) is not None and None not in lacking:
+                self._report_unreadable(
+                    lines[0], begin, self.header[column], at_begin[0][column], ("first", "after them")
+                )
+                self.first, kept = [lines[row] - self.first_line for row in range(begin)], begin
+                break
+        self._refuse_needed({row: cells for row, cells in at_begin.items() if row >= kept}, lines)
+        return kept
+
+    def _refuse_needed(self, cells: Mapping[int, Mapping[int, str]], lines: Sequence[int]) -> None:
+        """Raise InputError for the first of the ``cells`` that is in a needed column."""
+        for row, held in sorted(cells.items()):
+            for column, cell in held.items():
+                if column in self.needed:
+                    raise self._no_number(lines[row], column, cell)
 
     def _refuse_unnamed(self, lines: list[str]) -> None:
         """Raise InputError if all rows have as many cells more than the header has names."""
@@ -389,13 +423,12 @@ class _RowReader:
             whole = self.known & np.isfinite(rows[:begin]).all(axis=0)
             ended = [self._lacking(at_end[row], whole, judged) for row in range(begin, len(rows))]
             if (column := ended[0]) is not None and None not in ended:
-                self._report_unreadable(lines[begin], len(ended), self.header[column], at_end[begin][column])
+                self._report_unreadable(
+                    lines[begin], len(ended), self.header[column], at_end[begin][column], ("last", "before")
+                )
                 rows = rows[:begin]
                 break
-        for row, cells in at_end.items():
-            for column, cell in cells.items():
-                if row < len(rows) and column in self.needed:
-                    raise self._no_number(lines[row], column, cell)
+        self._refuse_needed({row: cells for row, cells in at_end.items() if row < len(rows)}, lines)
         return rows
 
     def _lacking(self, cells: Mapping[int, str], whole: np.ndarray, judged: Collection[int]) -> int | None:

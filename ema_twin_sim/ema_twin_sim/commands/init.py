@@ -179,6 +179,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
 
     from ..new_machine.columns import guess_columns
     from ..new_machine.rows import with_kind_of_rows
+    from ..new_machine.sign_bits import how_to_decode
     from ..new_machine.turns import counted_on_turns
     from ..new_machine.units_by_numbers import with_units
 
@@ -221,6 +222,13 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
         say(
             f"{name}: not used, since it counts at a constant rate, as a clock does (if it counts a shaft's turns, say "
             "so in its name, as in 'motor position [counts]', and run init again)"
+        )
+    for sentence in how_to_decode(guesses.sign_bits):
+        say(sentence)
+    if angles := guesses.phase_angles:
+        say(
+            f"{', '.join(angles)}: not used, since power analysers give the angle between voltage and current so (if "
+            "one is a shaft's, say so in its name, as in 'motor position [deg]', and run init again)"
         )
     taken = next((guess.column for guess in guesses.signals if guess.signal == "motor_position"), "")
     for name in guesses.other_axes:

@@ -102,5 +102,14 @@ POWER_UNIT = r"[umk\u00b5]?W|k?VA[rR]?|k?var"
 """Units of power, which no signal has."""
 ACCELERATION_UNIT = r"m?g|g_?n|G|k?(m|rad|deg|\u00b0)\s*/\s*s(\^?2|\u00b2)|(m|rad|deg)\s*s\^?-2"
 """Units of acceleration, which no signal has either."""
+FLOW_UNIT = (
+    r"(?i)([cdm]?l|ltr|liters?|litres?|[cd]?m(\^?3|\u00b3)|ccm|gal)\s*/\s*(s|sec|min|h|hr|std)|[lg]pm|[cm]?m(\^?3|\u00b3)_?h"
+    r"|k?g\s*/\s*(s|min|h)"
+)
+"""Units of a flow, such as a coolant's, which no signal has either."""
+REACTIVE_OR_APPARENT = r"[kM]?(VA[rR]?|var)"
+"""Units of powers that only an electric circuit has."""
+BETWEEN_VOLTAGE_AND_CURRENT = r"^cos(phi)?$|^cosinus|^phasenwinkel|^phasenverschieb|^phaseangle$|^lambda$"
+"""Names of the angle between voltage and current, and of its cosine."""
 DIRECT_OR_PHASE = frozenset({"d", "u", "v", "w", "a", "b", "c", "alpha", "beta"})
 """Subscripts of currents and voltages that are not of the quadrature axis."""

@@ -7,7 +7,7 @@ measurement, and the motor's shaft from the output's. Each signal is taken once,
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -23,7 +23,9 @@ from .column_words import MOTOR_ITSELF, OUTPUT, SLIDES
 from .joints import ONE_JOINT, Joint, JointColumn, one_joint
 from .never_changing import never_changes
 from .part_names import without_lone_letters
+from .phase_angles import phase_angles
 from .row_counters import row_counters
+from .sign_bits import sign_bits
 from .signal_columns import choose_signals, drive_command, other_torques, signal_column, supply_current
 from .time_column import is_assumed, time_column
 
@@ -84,6 +86,8 @@ class Guesses:
     other_torques: tuple[Guess, ...] = ()  # torques beside the motor's, as the loads that they may be
     row_counters: tuple[str, ...] = ()  # columns not used since they only number the rows
     clock_counters: tuple[str, ...] = ()  # columns not used since they count time
+    sign_bits: Mapping[str, int] = field(default_factory=dict)  # columns not used since this bit is a sign
+    phase_angles: tuple[str, ...] = ()  # columns not used since they are angles between voltage and current
 
     @property
     def drives(self) -> bool:
@@ -157,7 +161,8 @@ def guess_columns(
     names = [*without_lone_letters([read for read in names if read is not time])]
     counters = row_counters(names, numbers, time)
     clocks = clock_counters([read for read in names if read.name not in {*no_numbers, *counters}], numbers, time)
-    usable = [read for read in names if read.name not in {*no_numbers, *counters, *clocks}]
+    angles, signs = phase_angles(names), sign_bits(names, numbers)
+    usable = [read for read in names if read.name not in {*no_numbers, *counters, *clocks, *angles, *signs}]
     whole = {name: values for name, values in numbers.items() if name not in no_numbers}
     of_joint, usable = one_joint([_joint_column(read) for read in usable], whole, joint)
     other_motion = tuple(
@@ -205,6 +210,8 @@ def guess_columns(
         other_torques=loads,
         row_counters=counters,
         clock_counters=clocks,
+        phase_angles=angles,
+        sign_bits=signs,
     )
 
 

@@ -36,11 +36,12 @@ from .model_draft import ModelDraft, draft_model, farthest
 from .never_changing import never_changing
 from .position_beside_speed import not_summed, share_beside_speed, unlike_speed
 from .rows import may_be_points
-from .shaft import Shaft, is_geared, is_possible, position_shaft, ratio_of_positions, too_slow_for_a_motor
+from .shaft import Shaft, is_geared, is_possible, position_shaft, ratio_of_positions, shaft_by_travel
 from .sign_words import how_it_is_turned, how_to_turn
 from .signal_columns import is_quadrature
 from .torque_beside_current import not_proportional
 from .unit_questions import questions_about_units
+from .unnamed_positions import HOW_TO_NAME, unnamed_beside_speed, unnamed_pair
 from .unsigned_drive import unsigned_signals
 
 _STILL = "not used, since it never changes, as of a sensor that is not connected, or of a shaft that is held"
@@ -133,6 +134,9 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
             f"{column['motor_position']}: of the same shaft as {column['speed']}, though {told} (if it is not, remove "
             "one of them and run init again)"
         )
+    if (lone := unnamed_beside_speed(guesses)) is not None:
+        guesses = guesses.with_origin_doubt(lone.signal, "no word of its name tells a position: is it one?")
+        assumed.append(f"{lone.column}: a position, though no word of its name tells one ({HOW_TO_NAME})")
     unsure, remedy = ("", "") if left_out else doubted_motors_torque(recordings, guesses)
     if unsure:
         guesses = guesses.with_doubt("motor_torque", unsure)
@@ -166,25 +170,36 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     if shaft.name == "motor" and _told_at_the_output(guesses):
         shaft = Shaft("output", given.gear_ratio)
     unnamed = not any(guess.of_motor for guess in guesses.signals if guess.signal in ("motor_position", "speed"))
-    if shaft == Shaft() and unnamed and (slow := too_slow_for_a_motor(recordings, given.gear_ratio)):
-        shaft = Shaft("output", given.gear_ratio, f"{slow}: assumed to be the output's angle")
+    asked_shaft = shaft == Shaft() and unnamed
+    by_travel = shaft_by_travel(recordings, given.gear_ratio, of_a_robot=bool(guesses.joint.name))
+    if asked_shaft and by_travel.name == "output":
+        few = by_travel.doubt
+        shaft = replace(by_travel, doubt=f"{few}: assumed to be the output's angle")
         placed = any(guess.signal == "motor_position" for guess in guesses.signals)
-        why = "assumed to be the output's, like the position" if placed else f"{slow}: assumed to be the output's"
+        why = "assumed to be the output's, like the position" if placed else f"{few}: assumed to be the output's"
         guesses = replace(guesses, signals=tuple(_of_the_output(guess, why) for guess in guesses.signals))
         recordings = _read(draft_map(guesses, of, shaft), traces)
         columns = ", ".join(g.column for g in guesses.signals if g.of_output and g.signal in AT_EITHER_SHAFT)
         assumed.append(
-            f"{columns}: read as values of the output shaft, {slow} (if one is the motor's, say so in its name, as in "
+            f"{columns}: read as values of the output shaft: {few} (if one is the motor's, say so in its name, as in "
             "'motor position [rad]', and run init again)"
         )
     elif is_geared(given.gear_ratio):
-        moving = ("motor_position", "speed") if shaft == Shaft() and unnamed else ()
+        moving = ("motor_position", "speed") if asked_shaft else ()
+        if asked_shaft and by_travel.doubt:
+            shaft = by_travel
+            guesses = guesses.with_doubt("speed", by_travel.doubt)
         read = [g.column for g in guesses.signals if g.signal in moving or _tells_the_constant(g, guesses, given)]
         if read:
             assumed.append(
                 f"{', '.join(read)}: read as the motor's, which turns {given.gear_ratio:g} times as fast as the output "
                 "(if of the output, say so in its name, as in 'output position [rad]', and run init again)"
             )
+    if (pair := unnamed_pair(guesses)) is not None and not given.gear_ratio:
+        names = f"{pair[0].column} and {pair[1].column}"
+        told = f"{names} go together, but no word of their names tells a motor or an output ({HOW_TO_NAME})"
+        shaft = replace(shaft, doubt_of_ratio=told)
+        guesses = guesses.with_origin_doubt("output_position", f"taken for one as it goes with {pair[0].column}")
     model = checked_model([_without(recording, magnitudes) for recording in recordings], given, shaft, source)
     if drives and not turned_drive:
         signs = _signs_of_drive(recordings, model)

@@ -8,7 +8,7 @@ Joints are distinguished by a number in the names, as in ``q1 … q6`` or ``pos 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +21,7 @@ from .part_names import part_in_the_name, part_of
 
 _DRIVES = frozenset({"current", "torque"})
 _MOVES = ("position", "speed")
+_SHAFTS = 2  # of a drive train: the motor's and the output's
 
 Part = tuple[str, ...]
 """The words, or the number, by which a column's name tells its joint; empty if it tells none."""
@@ -77,7 +78,8 @@ def one_joint(
     by_number = len(named) <= len(joints)  # names that number all joints alike need not agree in their words
     if not by_number:
         parts, joints = by_words, named
-    if len(joints) < 2 or _are_one_train([*joints.values()], numbers, by_number):
+    driven_apart = _have_motors_of_their_own(joints, columns, numbers, parts)
+    if len(joints) < 2 or (not driven_apart and _are_one_train([*joints.values()], numbers, by_number)):
         return ONE_JOINT, names
     known = {part_in_the_name(part, read.name): part for part, read in joints.items()}
     ways = {name: travel(joints[part], numbers) for name, part in known.items()}
@@ -120,10 +122,31 @@ def _is_driven(
     part: Part, columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray], parts: Mapping[str, Part]
 ) -> bool:
     """Whether a current of a joint changes, or else a torque: one that is moved by another has none to be judged."""
+    return any(_changes(numbers[c.read.name]) for c in _drives(part, columns, numbers, parts))
+
+
+def _drives(
+    part: Part, columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray], parts: Mapping[str, Part]
+) -> list[JointColumn]:
+    """The measured currents of a joint, or else its measured torques, or else the commands of either."""
     own = [c for c in columns if parts[c.read.name] == part and c.read.name in numbers and c.quantity in _DRIVES]
     measured = [c for c in own if not c.setpoint]
-    currents = [c for c in measured if c.quantity == "current"]
-    return any(_changes(numbers[c.read.name]) for c in currents or measured or own)
+    return [c for c in measured if c.quantity == "current"] or measured or own
+
+
+def _have_motors_of_their_own(
+    joints: Collection[Part],
+    columns: Sequence[JointColumn],
+    numbers: Mapping[str, np.ndarray],
+    parts: Mapping[str, Part],
+) -> bool:
+    """Whether joints are driven each by itself: two of them by currents that change, or more than a train has shafts.
+
+    Robots move their joints to a pose in step, however far each goes: motions alone do not tell joints from shafts.
+    """
+    driven = [part for part in joints if _is_driven(part, columns, numbers, parts)]
+    by_current = [p for p in driven if any(c.quantity == "current" for c in _drives(p, columns, numbers, parts))]
+    return len(by_current) > 1 or len(driven) > _SHAFTS
 
 
 def _changes(values: np.ndarray) -> bool:

@@ -34,7 +34,7 @@ from .shaft import (
     ratio_of_positions,
     whole_ratio,
 )
-from .steps import is_decimal, smallest_step
+from .steps import common_step, is_decimal
 from .torque_constant import TorqueConstant, question_about, told_at_joint, torque_constant
 from .usual_counts import usual_counts
 
@@ -80,7 +80,7 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
     told = motion == "rotary" and constant.source != ASSUMED
     at_joint = told_at_joint(constant.value, turns, fastest) if told else ""
     of_motor = constant.value / (turns if at_joint else 1.0)
-    sensors = _sensor_lines(_at_motor(recording, turns, shaft), turns if shaft.name == "output" else 1.0)
+    sensors = _sensor_lines(at_motor, turns if shaft.name == "output" else 1.0)
     lines = [
         f"# First model of {given.name}. Inertia and friction are open: fit finds them, discover goes on from there.",
         f"# Look at every line that says {CHECK}.",
@@ -170,7 +170,7 @@ def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | 
     if shown is not None and not is_possible(shown):
         return _Ratio(1.0, ASSUMED, f"both positions give {abs(shown):.4g}, which no gear has: are their units right?")
     if shown is not None:
-        doubt = ""
+        doubt = shaft.doubt_of_ratio
         if shown < 0.0:
             doubt = "the shafts turn in opposite directions: give the output's position `factor: -1` in the map"
         elif abs(shown - 1.0) < ALIKE:
@@ -262,11 +262,12 @@ def _drive_lines(recordings: Sequence[Recording], torque_constant: float) -> lis
     ]
 
 
-def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
-    """What a recording shows of its sensors; empty if it has too few samples, as before the first recording.
+def _sensor_lines(recordings: Sequence[Recording], ratio: float) -> list[str]:
+    """What recordings show of their sensors; empty if they have too few samples, as before the first recording.
 
-    Its signals are at the motor's shaft, which turns ``ratio`` times as far as its position's encoder.
+    Their signals are at the motor's shaft, which turns ``ratio`` times as far as its position's encoder.
     """
+    recording = farthest(recordings)
     if len(recording) <= _FEWEST:
         return []
     motion = recording.motion
@@ -277,7 +278,7 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
             continue
         position = _finite(recording.signals[f"{side}_position"])
         geared = ratio if side == "motor" else 1.0
-        step, source = smallest_step(position), SMALLEST_STEP
+        step, source = _step_of(f"{side}_position", recordings), SMALLEST_STEP
         column = _column_of_the_map(recording, f"{side}_position")
         if counts := column.get("counts_per_revolution"):
             step, source = turn / float(counts) * geared, "counts of the import map"
@@ -313,6 +314,11 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
     if not recording.of_points:
         lines.append(f"  sample_period: {{value: {recording.sample_period:g}, unit: s, tolerance: 0.0}}")
     return lines
+
+
+def _step_of(position: str, recordings: Sequence[Recording]) -> float | None:
+    """The step of a position's counter in all recordings that have it."""
+    return common_step([_finite(each.signals[position]) for each in recordings if each.has(position)])
 
 
 def _column_of_the_map(recording: Recording, signal: str) -> Mapping[str, float | str]:

@@ -16,6 +16,7 @@ from ema_bench_replay.traces.header_words import COUNTS, header_words
 
 from ..criteria import NEGLIGIBLE
 from .columns import Guess, Guesses
+from .sign_bits import OF_SPEED
 
 WORD = "present"
 """Begins the names of all measured values of these servos, and of no other drive's."""
@@ -42,6 +43,7 @@ SERVOS = (
     Servo("Feetech STS", 4096, 60.0 / 4096.0, 6.5, "see the memory table of your model"),
 )
 """emanual.robotis.com, control tables of XM430 and MX-64(2.0); Feetech's memory table of the STS3215."""
+_BY_SIGN_BIT = SERVOS[1]
 
 
 def servo_of(position: Guess, speed: Guess, numbers: Mapping[str, np.ndarray], ways: float | None) -> Servo | None:
@@ -55,6 +57,11 @@ def servo_of(position: Guess, speed: Guess, numbers: Mapping[str, np.ndarray], w
     return next((s for s in SERVOS if math.isclose(abs(ways), s.steps_per_second, rel_tol=NEGLIGIBLE)), None)
 
 
+def servo_by_sign_bit(guesses: Guesses) -> Servo | None:
+    """The servo whose registers a trace holds if the sign of a speed is a bit of it; None if there is none."""
+    return _BY_SIGN_BIT if OF_SPEED in guesses.sign_bits.values() else None
+
+
 def in_steps_of(servo: Servo, guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> Guesses:
     """The guesses with the units of a servo's steps for its position, its speed and its current."""
     shown = f"whole numbers, and their motion, are those of a {servo.name} servo"
@@ -64,8 +71,12 @@ def in_steps_of(servo: Servo, guesses: Guesses, numbers: Mapping[str, np.ndarray
         )
     size = f"a step of the current of a {servo.name} servo; {servo.other_currents}"
 
+    by_bit = servo_by_sign_bit(guesses) is servo
+    if by_bit:
+        shown = f"whole numbers, beside a speed whose bit {OF_SPEED} is the sign, as a {servo.name} servo logs"
+
     def told(guess: Guess) -> Guess:
-        if not _in_steps(guess, numbers):
+        if not _in_steps(guess, numbers, named=not by_bit):
             return guess
         if guess.signal == "motor_position":
             return replace(guess, unit=COUNTS, counts=float(servo.counts), doubt=shown)
@@ -76,8 +87,11 @@ def in_steps_of(servo: Servo, guesses: Guesses, numbers: Mapping[str, np.ndarray
     return replace(guesses, signals=tuple(told(guess) for guess in guesses.signals))
 
 
-def _in_steps(guess: Guess, numbers: Mapping[str, np.ndarray]) -> bool:
-    """Whether a column's name is one of these servos', without a unit, and all that was measured is whole numbers."""
+def _in_steps(guess: Guess, numbers: Mapping[str, np.ndarray], *, named: bool = True) -> bool:
+    """Whether a column has no unit, all that was measured is whole numbers, and its name is one of these servos'.
+
+    The name need not be if the servo is known otherwise (``named`` is False).
+    """
     measured = numbers[guess.column][np.isfinite(numbers[guess.column])]
-    named = WORD in header_words(guess.column).words and guess.unit in (None, COUNTS)
-    return named and len(measured) > 0 and bool(np.array_equal(measured, np.round(measured)))
+    known = (not named or WORD in header_words(guess.column).words) and guess.unit in (None, COUNTS)
+    return known and len(measured) > 0 and bool(np.array_equal(measured, np.round(measured)))

@@ -1,5 +1,5 @@
 """Guess to which shaft a motor's position belongs: from how far it goes if the motor's speed is known, otherwise from
-whether a motor behind its gear would turn so slowly.
+whether a motor behind its gear would turn so little.
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..criteria import ALL_BUT_SPIKES, CLEARLY_MORE, FAR_OUT, NEARLY_ALL, SMALL
+from ..criteria import ALL_BUT_SPIKES, CLEARLY_MORE, FAR_OUT, NEARLY_ALL, PART, SMALL
 from ..measured.robust_regression import robust_regression
 from ..measured.signal_factors import is_usual_mistake
 from ..measured.smoothing import gaussian, smooth
-from ..measured.way_by_speed import way_by_speed
+from ..measured.usual_sizes import USUAL
+from ..measured.way_by_speed import travelled_by_speed, way_by_speed
 from ..model.constants import CONSTANTS
 from ..reading_noise import reading_noise
 
@@ -30,10 +31,6 @@ EXACT = 2e-4  # relative deviation up to which a ratio is the whole number beyon
 GEARED = 5.0
 """Gear ratio from which the purpose of a gear is to let the motor run fast. Lower ratios are belts and couplings, whose
 shafts turn about equally fast, so that their speeds do not show which is which."""
-SLOW_MOTOR = 1.0
-"""rad/s, ten turns a minute, which a motor behind such a gear exceeds somewhere in a recording. Motors are wound for
-1000 turns a minute and more, small or large, and a gear is bought to use that. A recording alone has no scale for a
-motor's speed; data sheets have one, in SI."""
 _FEWEST_TO_REFINE = 400  # samples
 _SMOOTHED = 10.0  # samples
 _AT_ENDS = 40  # samples at either end that this smoothing distorts by more than half a per cent
@@ -48,12 +45,14 @@ _WINDOWS = (0.1, 0.061)  # of a recording's samples, over which the motions of t
 class Shaft:
     """Whose turns a motor's position counts (``motor`` or ``output``), the gear ratio that shows, and what to check.
 
-    ``ratio`` is None if the recording shows none. An empty ``doubt`` means that there is none.
+    ``ratio`` is None if the recording shows none. An empty ``doubt`` means that there is none. ``doubt_of_ratio`` is of
+    one that both positions show.
     """
 
     name: str = "motor"
     ratio: float | None = None
     doubt: str = ""
+    doubt_of_ratio: str = ""
 
 
 def position_shaft(recording: Recording, gear_ratio: float | None, *, units_known: bool) -> Shaft:
@@ -92,18 +91,35 @@ def _of_a_carriage(recording: Recording) -> str:
     return "" if times is None or abs(abs(times) - 1.0) < OWN else f"{_told(times)}. Are the units of both right?"
 
 
-def too_slow_for_a_motor(recordings: Sequence[Recording], gear_ratio: float | None) -> str:
-    """Why a position, read as the motor's, cannot be that of a motor behind a gear; empty if nothing speaks against it.
+def shaft_by_travel(recordings: Sequence[Recording], gear_ratio: float | None, *, of_a_robot: bool) -> Shaft:
+    """The shaft of a motion whose name gives none, behind a gear, by how far it goes in turns; with what to check.
 
-    A gear is there to let the motor run fast. A motor that is slow all the time would hardly move the output.
+    A motor that stays within one turn would move the output by next to nothing, and one that moves it by a considerable
+    part of a turn is the motor. Between these a robot that tells several joints tells angles of its outputs.
     """
     if not is_geared(gear_ratio) or any(r.motion != "rotary" or r.of_points for r in recordings):
-        return ""
-    fastest = max(fastest_motion(recording) for recording in recordings)
-    if not 0.0 < fastest < SLOW_MOTOR:
-        return ""
-    least = f"a motor with a gear ratio of {gear_ratio:g} exceeds {SLOW_MOTOR:g} rad/s"
-    return f"no faster than {fastest:.3g} rad/s, while {least}"
+        return Shaft()
+    turns = max(map(_travel, recordings)) / (2.0 * math.pi)
+    fastest = max(map(fastest_motion, recordings))
+    if not turns > 0.0 or turns >= PART * gear_ratio or fastest * gear_ratio > USUAL["speed"][1]:
+        return Shaft()
+    by = f"{360.0 * turns / gear_ratio:.3g} deg"
+    told = f"it goes {turns:.3g} turns in all, which as the motor's would turn the output by {by}"
+    if turns <= 1.0 or of_a_robot:
+        return Shaft("output", gear_ratio, told)
+    return Shaft(doubt=f"{told}: is it the motor's?")
+
+
+def _travel(recording: Recording) -> float:
+    """From end to end of the motor's position [rad], or else of the way by its speed; 0 if there is neither."""
+    if recording.has("motor_position"):
+        way = recording.signals["motor_position"]
+    elif recording.has("speed"):
+        way = travelled_by_speed(recording)
+    else:
+        return 0.0
+    way = way[np.isfinite(way)]
+    return float(np.ptp(way)) if len(way) else 0.0
 
 
 def is_geared(gear_ratio: float | None) -> TypeGuard[float]:

@@ -22,6 +22,7 @@ from .column_words import (
     ESTIMATED,
     FEEDFORWARD,
     FILTERED,
+    FLOW_UNIT,
     MOTOR,
     MOVED,
     NO_SIGNAL,
@@ -68,7 +69,7 @@ def signal_column(read: HeaderWords) -> Column | None:
     no_signals = POWER_UNIT if by_words == "torque" else f"{POWER_UNIT}|{ACCELERATION_UNIT}"  # a force may be in g
     if read.quantity is None and (re.fullmatch(no_signals, read.foreign) or read.words[-2:] == ("k", "w")):
         return None  # a letter beside it, as of an axis X or S, is no symbol of a position
-    if quantity in (None, "time", "power"):
+    if quantity in (None, "time", "power") or re.fullmatch(FLOW_UNIT, read.foreign):
         return None
     words = _without_number_of_a_drive(read.words)
     axis = next((word for word in words[1:] if word in DIRECT_OR_PHASE), None) if len(words) == 2 else None
@@ -105,7 +106,9 @@ def choose_signals(
 
     def of(quantity: str, *, setpoint: bool = False) -> list[Column]:
         found = [c for c in columns if c.quantity == quantity and c.setpoint == setpoint and c not in taken.values()]
-        found.sort(key=lambda c: (has_word(c.read.words, FILTERED), c.shaft == "output", not c.actual))
+        found.sort(
+            key=lambda c: (has_word(c.read.words, FILTERED), c.shaft == "output", _is_a_letter(c.read), not c.actual)
+        )
         return sorted(found, key=lambda c: _is_idle(c, numbers))
 
     def take(signal: str, found: Sequence[Column]) -> None:
@@ -155,6 +158,11 @@ def choose_signals(
         if signal not in taken and other in taken and not (signal == "motor_torque" and "current" in taken):
             taken[signal] = taken.pop(other)
     return taken, tuple(c.name for c in elsewhere if c not in taken.values())
+
+
+def _is_a_letter(read: HeaderWords) -> bool:
+    """Whether a name is one letter without a unit, which may number something: one in full goes before it."""
+    return read.unit is None and [len(word) for word in read.words if not word.isdigit()] == [1]
 
 
 def _is_idle(column: Column, numbers: Mapping[str, np.ndarray]) -> bool:

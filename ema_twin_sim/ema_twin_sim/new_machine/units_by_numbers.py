@@ -21,7 +21,7 @@ from ..measured.usual_sizes import USUAL
 from ..measured.way_by_speed import steady_factor
 from .columns import Guess, Guesses
 from .products import with_products_units
-from .servo_steps import in_steps_of, servo_of
+from .servo_steps import in_steps_of, servo_by_sign_bit, servo_of
 from .steps import is_decimal, smallest_step
 from .time_unit import time_unit as unit_of_clock
 from .time_unit import unit_of_size
@@ -40,6 +40,8 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
     clock = guesses.time
     time = numbers[clock.column]
     guesses = with_products_units(guesses, numbers)
+    if servo := servo_by_sign_bit(guesses):
+        guesses = in_steps_of(servo, guesses, numbers)
     known = {guess.signal: guess for guess in guesses.signals}
     position, speed = known.get("motor_position"), known.get("speed")
     time_unit, time_doubt = clock.unit, clock.doubt
