@@ -173,7 +173,9 @@ class TestAnArmOnAMotorThatCogs:
         return [swung(name, start, load, way=12.0, ratio=1.0) for name, start in STARTS.items()]
 
     def test_both_tell_the_zeros_of_the_model(self, crank):
-        assert zeros_by_model(self.turning(), crank) == pytest.approx(STARTS, abs=0.008)  # a twelfth of a turn is 0.52 rad
+        assert zeros_by_model(self.turning(), crank) == pytest.approx(
+            STARTS, abs=0.008
+        )  # a twelfth of a turn is 0.52 rad
 
     @pytest.mark.slow
     def test_both_are_found(self, joint):
