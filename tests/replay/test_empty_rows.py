@@ -41,7 +41,7 @@ def test_in_later_blocks_too(tmp_path, monkeypatch):
 
 def test_a_row_that_holds_some_numbers_is_refused_where_it_stands(tmp_path):
     (tmp_path / "run.csv").write_text("t,pos,cur\n" + rows(3).replace("0.2,6,0", "0.2,nan,0"))
-    with pytest.raises(InputError, match="line 22: column 'pos': 'nan' is no number"):
+    with pytest.raises(InputError, match="line 22: column 'pos': holds no value"):
         read_table(tmp_path / "run.csv")
 
 
