@@ -74,7 +74,7 @@ class TestTheKeysOfALiveRun:
     def test_what_to_record_is_in_words(self):
         why = "stribeck_friction(law=exponential) and a model without it would come apart by 29 standard deviations"
         found = {**OF_BOTH, "next_recording": f"ramp:0.05 for 12 s: {why}, over the whole recording"}
-        line = next(line for line in told(diagnosis_message(found, 0, 1, 12.0), {}) if line.startswith("To confirm"))
+        line = next(line for line in told(diagnosis_message(found, 0, 1, 12.0), {}) if line.startswith("Record next"))
         assert "Stribeck friction (law exponential) and a model" in line and "over the whole recording" in line
 
     def test_what_was_added_is_told_with_the_constants_and_where_it_is_kept(self, capsys):

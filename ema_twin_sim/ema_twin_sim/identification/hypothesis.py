@@ -195,13 +195,14 @@ class Hypothesis:
                 effects[name] = instance.at(parameters)
 
     def with_effect(self, id: str, options: Mapping[str, str], parameters: Mapping[str, float]) -> Hypothesis:
-        """Hypothesis with one more effect, its parameters free, starting from ``parameters``."""
+        """Hypothesis with one more effect, its parameters free, starting from ``parameters`` (others: defaults)."""
         effect = catalogue()[id]
         name, number = id, 2
         while name in self.added or name in self.base.effects:
             name, number = f"{id}_{number}", number + 1
+        options = {**effect.default_options(), **options}
         table = effect.parameters_with(options)
-        instance = EffectInstance(id, dict(options), {p.name: parameters.get(p.name, p.default) for p in table})
+        instance = EffectInstance(id, options, {p.name: parameters.get(p.name, p.default) for p in table})
         free = list(self.free)
         values = list(self.values)
         for p in table:

@@ -140,10 +140,10 @@ def held_out(problem: EquationErrorProblem, f: Fit) -> tuple[list[np.ndarray], n
     still = [k for k, free in enumerate(h.free) if free.path.startswith("contact.") or free.lower == free.upper]
     near = linearised(f, still)
     information, (lower, upper) = near.information, problem.bounds(h)
-    # Others that tell hardly anything of a constant, such as friction at one speed alone, would throw it far off; what
-    # an effect explains in a recording is never told by that recording itself.
-    constants = np.array([free.path.startswith("scale.") for free in h.free], bool)
-    known = np.where(np.outer(constants, constants), NEGLIGIBLE * information, 0.0)
+    # Others that tell hardly anything of an open constant, such as friction at one speed alone, would throw it far off;
+    # what an effect explains in a recording is never told by that recording itself.
+    unknown = np.array([free.path.startswith("scale.") and free.prior is None for free in h.free], bool)
+    known = np.where(np.outer(unknown, unknown), NEGLIGIBLE * information, 0.0)
 
     def cost(trial: Hypothesis, residual: np.ndarray, others: np.ndarray) -> float:
         pr, _ = prior_rows(trial)
