@@ -126,14 +126,13 @@ def test_orders_of_the_output_are_found(stock, ratio, effect, shaft):
 @pytest.mark.slow
 @pytest.mark.parametrize("angle", [0.4, -1.9])
 def test_a_pendulum_at_the_motor_is_gravity_before_it_is_the_best_of_many_waves(angle, stock):
-    """Without a gearbox a wave of the motor's turn is one of the output's: the same torque by any of three names."""
+    """Without a gearbox a torque once per turn is the weight of an arm: there is no sun gear, and no magnet does it."""
     machine = stock.with_value("machine.gear_ratio", 1.0).with_value("drive.position_gain", 20.0)
     machine = replace(machine, orders={}, other_orders=True)
     hidden = machine.with_effect("gravity_load", {"torque": 0.2, "angle": angle})
     found = discover(record(hidden, ("ramp:4", "sine:5:0.2", "triangle:4:2"), seconds=7.0), machine)
     assert (found.verdict, found.added) == ("explained", ("gravity_load",))
-    assert found.groups == (("cogging", "gravity_load", "sun_runout"),)
-    assert "none of the commands that were tried tells" in found.next_recording
+    assert found.groups == ()
 
 
 def test_a_bearing_of_a_direct_drive_is_found(stock):

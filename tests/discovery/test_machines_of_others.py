@@ -68,10 +68,11 @@ def test_one_direction_is_friction_and_a_reversal_is_asked_for(known, with_coulo
     folder = machines / "kinova_gen3_joint7" / "train"
     import_map, model = drafted(folder, tmp_path, **known)
     found = discovered(folder, import_map, model if with_coulomb else model.without_effect("coulomb_friction"), 0.5)
-    assert not NEVER & {*found.added}
+    # the motor's own orders show if its turns are known: 7, 12, 14 and 28 are those of 12 slots and 7 pole pairs
+    assert not (NEVER - {"cogging"} if "gear_ratio" in known else NEVER) & {*found.added}
     at_joint = level(found.model, "coulomb_friction", "torque") * known.get("gear_ratio", 1.0)
     assert at_joint == pytest.approx(1.5, rel=0.2)
-    assert "triangle" in found.next_recording
+    assert found.next_recording.startswith(("triangle", "sine"))  # both reverse
 
 
 @pytest.mark.parametrize(
