@@ -96,6 +96,16 @@ def test_a_weight_that_changes_between_recordings_moves_no_zero(joint):
     assert not zeros_by_load(fitted(changing, joint))
 
 
+def test_a_weight_that_changes_beside_an_arm_moves_no_zero(joint):
+    """The counters were homed: the arm is at one zero, and what comes and goes is another load."""
+    changing = [swung(name, 0.0, lambda angle, k=k: 0.02 * k + arm(angle)) for k, name in enumerate(STARTS)]
+    assert not zeros_by_load(fitted(changing, joint))
+
+
+def test_where_the_load_does_more_than_add_its_torque_nothing_is_moved(known):
+    assert not zeros_by_load(fitted(runs(arm), known.with_effect("mesh_friction")))
+
+
 def test_a_spring_that_another_machine_is_wound_the_other_way_by_is_none(joint):
     """A stiffness below zero would push the output away."""
     assert not zeros_by_load(fitted(runs(lambda angle: -spring(angle)), joint))
@@ -120,12 +130,24 @@ class TestOfAModelThatHoldsTheLoad:
         before, after = (compare(each, model).overall["unexplained_torque"]["rmse"] for each in (runs(load), moved))
         assert after < 0.1 * before
 
+    def test_a_weight_that_comes_and_goes_moves_no_zero(self, heavy):
+        changing = [swung(name, 0.0, lambda angle, k=k: 0.02 * k + arm(angle)) for k, name in enumerate(STARTS)]
+        assert zeros_by_model(changing, heavy) == {}
+
+    def test_where_a_load_does_more_than_add_its_torque_nothing_is_moved(self, heavy):
+        assert zeros_by_model(runs(arm), heavy.with_effect("mesh_friction")) == {}
+        compliant = heavy.with_value("machine.output_inertia", INERTIA).with_effect("shaft_compliance")
+        assert zeros_by_model(runs(arm), compliant) == {}
+
     def test_what_all_are_off_by_is_asked_about(self, heavy):
         """It may be the model's angle, or a weight more: nothing is moved."""
         given = runs(arm, starts=dict.fromkeys(STARTS, 0.4))
         same, (told,) = with_the_models_zeros(given, heavy)
         assert same == given
-        assert "gravity_load of laas_motor is elsewhere" in told and "rad to the positions; otherwise run fit" in told
+        assert (
+            "fit gravity_load of laas_motor at another angle: by" in told
+            and "add that to the positions; otherwise run fit" in told
+        )
 
     def test_nothing_is_said_where_it_is_as_the_model_has_it(self, heavy):
         for given in (runs(arm, anew=False), runs(arm, starts=dict.fromkeys(STARTS, 0.0))):

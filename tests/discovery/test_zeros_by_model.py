@@ -122,7 +122,7 @@ def test_a_weight_over_a_part_of_a_turn_moves_no_zero(cogging):
     heavy = open_motor(1.0, NOISE, PERIOD, speed_noise=1e-3).with_effect("gravity_load", {"torque": 0.05, "angle": 0.4})
     swing = turning("c", 0.9, 0.3, waves=((1, 0.05, -0.4 + 0.3),), way=0.8)
     same, (told,) = with_the_models_zeros([swing], heavy)
-    assert same == [swing] and "add 400 mrad to the positions; otherwise" in told
+    assert same == [swing] and "at another angle: by 400 mrad of the positions" in told
     both = cogging.with_effect("gravity_load", {"torque": 0.05, "angle": 0.4})
     moved = zeros_by_model([turning("c", 0.0, 0.3, waves=(*WAVES, (1, 0.05, -0.1)), way=3.0)], both)
     assert abs(moved.get("c", 0.0)) < 0.01

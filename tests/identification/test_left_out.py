@@ -28,13 +28,13 @@ def test_it_is_the_solution_of_the_other_rows():
     assert whole + moved == pytest.approx(solved(kept), rel=1e-9)
 
 
-def turning(name, speed, wave, seconds=20.0, period=2e-3):
-    """A motor under friction, with a torque that repeats seven times a turn, at ``speed`` (t,) -> rad/s."""
+def turning(name, speed, seconds=20.0, period=2e-3):
+    """A motor under friction, at ``speed`` (t,) -> rad/s."""
     random = np.random.default_rng(ord(name))
     time = np.arange(round(seconds / period)) * period
     turns = speed(time)
     angle = np.concatenate([[0.0], np.cumsum(0.5 * (turns[1:] + turns[:-1])) * period])
-    torque = 2e-4 * np.gradient(turns, period) + 4e-4 * turns + 0.02 * np.sign(turns) + wave * np.sin(7.0 * angle)
+    torque = 2e-4 * np.gradient(turns, period) + 4e-4 * turns + 0.02 * np.sign(turns)
     signals = {
         "current": torque + 2e-3 * random.standard_normal(len(time)),
         "speed": turns + 1e-3 * random.standard_normal(len(time)),
@@ -44,13 +44,10 @@ def turning(name, speed, wave, seconds=20.0, period=2e-3):
 
 
 def test_a_constant_that_the_others_hardly_tell_is_not_thrown_far_off():
-    """At one speed alone, friction that grows with it and friction that does not are the same: a wave was blamed.
-
-    What the wave itself explains in a recording is still told by the others alone.
-    """
+    """At one speed alone, friction that grows with it and friction that does not are the same."""
     motor = open_motor(1.0, 2e-3, 2e-3, speed_noise=1e-3)
-    steady = turning("s", lambda t: 8.0 * np.sign(np.sin(0.6 * t)) + 0.05 * np.sin(1.7 * t), 0.0)
-    swept = turning("w", lambda t: 120.0 * np.sin(0.5 * t), 0.0)
+    steady = turning("s", lambda t: 8.0 * np.sign(np.sin(0.6 * t)) + 0.05 * np.sin(1.7 * t))
+    swept = turning("w", lambda t: 120.0 * np.sin(0.5 * t))
     problem = EquationErrorProblem(observe_all([steady, swept], motor))
     f = fit(problem, null_hypothesis(motor))
     (_, by_steady), _ = held_out(problem, f)

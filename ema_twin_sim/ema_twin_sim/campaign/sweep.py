@@ -158,7 +158,11 @@ def with_settings(model: Model, settings: Sequence[tuple[str, float]]) -> tuple[
         elif owner in catalogue():
             lacked.setdefault(owner, {})[name] = value
         else:
-            known = [f"{id}.{one.name}" for id, effect in catalogue().items() for one in effect.parameters]
+            known = [
+                f"{id}.{one.name}"
+                for id, effect in catalogue().items()
+                for one in effect.parameters_with(effect.default_options())
+            ]
             raise InputError(f"--vary {path}: unknown parameter of this model; {nearest(path, (*CONSTANTS, *known))}")
     for id, numbers in lacked.items():
         model = model.with_effect(id, numbers)

@@ -13,7 +13,7 @@ from ema_bench_replay.long_columns import by_pieces, pieces, times
 
 from ..criteria import NOISY
 from ..model import Model
-from ..simulation.compared_signals import UNITS, given_with, noise_floors
+from ..simulation.compared_signals import UNITS, driving, noise_floors
 from .beyond_noise import told_share
 from .independent_rows import independent_rows
 
@@ -147,7 +147,7 @@ class RunningComparison:
         self.samples += other.samples
         self._has_speed = self._has_speed or other._has_speed
         for name in UNITS:
-            if other.source != self.source and name in given_with(other.source):
+            if other.source != self.source and name in driving(other.source):
                 continue
             self._count[name] += other._count[name]
             self._independent[name] += other._independent[name]
@@ -181,7 +181,7 @@ class RunningComparison:
     @property
     def beyond_noise(self) -> dict[str, float]:
         """Ratio of error to sensor noise in the last window for each signal that exceeds its noise, worst first."""
-        floor, left_out = self.noise_floor, {*given_with(self.source)}
+        floor, left_out = self.noise_floor, {*driving(self.source)}
         if self.source != "current":  # the current contains the information of the unexplained torque
             left_out.add("unexplained_torque")
         times = {n: rmse / floor[n] for n, rmse in self.rmse_window.items() if n not in left_out and floor[n] > 0.0}
@@ -204,7 +204,7 @@ class RunningComparison:
                 "relative": math.sqrt(self._square[name]) / norm if norm > 0.0 else 0.0,
                 "noise_floor": self.noise_floor[name],
                 "unit": UNITS[name],
-                "driven": name in given_with(self.source),
+                "driven": name in driving(self.source),
             }
         return found
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 
 from ..criteria import NEARLY_ALL, SMALL
+from ..listing import listed
 
 
 def of_open_constants() -> str:
@@ -15,16 +16,18 @@ def of_open_constants() -> str:
     )
 
 
-def of_wrong_constants(off: Sequence[str], removed: float | None, model: str) -> tuple[str, ...]:
-    """Warning that constants of a ``model`` that are far ``off`` may be all that is wrong with it; empty otherwise.
+def of_wrong_constants(off: Mapping[str, float], removed: float | None, model: str) -> tuple[str, ...]:
+    """Warning that constants of a ``model`` may be all that is wrong with it; empty otherwise.
 
-    ``removed`` is the share of the excess above the noise that fitting them removes.
+    ``off`` is by how much of itself each one ended away from the file, ``removed`` the share of the excess above the
+    noise that fitting the constants removes.
     """
     if not off or removed is None or removed < NEARLY_ALL:
         return ()
+    each = listed(f"{name} {100.0 * share:+.0f} %" for name, share in off.items())
     return (
-        f"{'; '.join(off)} Fitting the constants alone removes {100.0 * removed:.1f} % of the error beyond the noise: "
-        f"if the file of {model} is wrong there, nothing else need be missing. Correct it, or discover again with the "
+        f"constants other than in the file of {model} explain {100.0 * removed:.1f} % of the error beyond the noise: "
+        f"{each}. If the file is wrong there, nothing else need be missing: correct it, or discover again with the "
         "model that is written now",
     )
 

@@ -16,7 +16,7 @@ from ..comparison.compare import Signals, overall_errors
 from ..criteria import DEPENDS, MOST_EFFECTS, SMALL
 from ..effects import Trait, catalogue, effects_with
 from ..identification.equation import EquationErrorProblem
-from ..identification.estimates import constants, far_off, off_by_one_factor, parameters
+from ..identification.estimates import constants, far_off, far_off_in_words, off_by_one_factor, parameters
 from ..identification.fit import Fit, fit
 from ..identification.hypothesis import Hypothesis
 from ..identification.on_bound import on_bounds, torque_sign_reversed
@@ -256,7 +256,7 @@ def discover(
             *of_differing_zeros(read.zeros, model, end),
             *of_assumed_torque(read.given, given),
             *contradictions(problem, best),
-            *(() if alone else off),
+            *(() if alone else far_off_in_words(off)),
             *of_straight_waves(problem, best),
             *(of_sums(problem, best, left) if refitted else ()),
             *(on_bounds(problem, best, errors) if problem.size else ()),

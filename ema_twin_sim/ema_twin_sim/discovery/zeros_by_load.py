@@ -16,7 +16,6 @@ from scipy.optimize import least_squares
 
 from ..criteria import MOSTLY, NEGLIGIBLE
 from ..effects import Effect, Parameter, Trait, catalogue, effects_with
-from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
 from ..identification.screening import Known
 from ..model import EffectInstance, Model
@@ -37,10 +36,14 @@ class Load:
     options: dict[str, str]
     angle: Parameter
 
+    def is_of(self, instance: EffectInstance) -> bool:
+        """Whether an instance is one of these."""
+        return instance.effect == self.effect.id and self.options.items() <= {**instance.options}.items()
+
     def at(self, angle: float) -> EffectInstance:
         """The load of its usual size at an ``angle`` [rad, output]."""
-        size = self.effect.parameters[0]
-        return EffectInstance(self.effect.id, self.options, {size.name: size.default, self.angle.name: angle})
+        parameters = {p.name: p.default for p in self.effect.parameters_with(self.options)}
+        return EffectInstance(self.effect.id, self.options, {**parameters, self.angle.name: angle})
 
     @property
     def two(self) -> tuple[EffectInstance, EffectInstance]:
@@ -70,48 +73,49 @@ class Load:
 def zeros_by_load(f: Fit) -> dict[str, float]:
     """Angle [rad] to add to the motor's position, by recording, for a model that lacks a load; none if unsure.
 
-    The first recording keeps its zero. All must begin where their counters read zero.
+    The first recording keeps its zero. All must begin where their counters read zero. An arm at one zero and a constant
+    load, another in each recording, must not explain as much as an arm does, nor more than a spring. (Beside a spring
+    such a constant load is the same as another zero.)
     """
-    if len(f.problem.observations) < 2 or loads_of(f.hypothesis.base) or not _begin_at_zero(f.problem):
+    if len(f.problem.observations) < 2 or loads_of(f.hypothesis.base) or not _may_tell(f):
         return {}
     columns = _Columns(f)
     loads, steady = _loads(f.hypothesis.base), _steady_loads()
-    at_one_zero = [*steady, *(one for load in loads for one in load.two)]
-    least = min(columns.left(columns.together(at_one_zero)), columns.left(columns.apart(steady)))
-    best: dict[str, float] = {}
-    left = (1.0 - MOSTLY) * least
+    every = [*steady, *(one for load in loads for one in load.two)]
+    arms = [one for load in loads if load.angle.periodic for one in load.two]
+    at_one_zero = min(columns.left(together=every), columns.left(apart=steady))
+    arm_and_weights = columns.left(apart=steady, together=arms)
+    best, left = {}, math.inf
     for load in loads:
         after, angles = columns.at_free_angles(load)
-        if after < left:
+        rival = (1.0 - MOSTLY if load.angle.periodic else 1.0) * arm_and_weights
+        if after < min(left, (1.0 - MOSTLY) * at_one_zero, rival):
             left, best = after, _at_the_motor(f, load.moved(angles, angles[0]))
     return best
 
 
 def zeros_by_known_load(f: Fit, model: Model) -> dict[str, float]:
     """The same for a ``model`` with one such load, where its own angle is; ``f`` is the fit without it."""
-    held = loads_of(model)
-    if len(held) != 1 or not _begin_at_zero(f.problem):
+    held = [model.effects[name] for name in loads_of(model)]
+    loads = [load for load in _loads(model) if held and load.is_of(held[0])]
+    if len(held) != 1 or not loads or not _may_tell(f):
         return {}
-    instance = model.effects[held[0]]
-    load = next(load for load in _loads(model) if load.effect.id == instance.effect)
+    (load,), (instance,) = loads, held
     size = load.effect.parameters[0]
     angle = instance.parameters[load.angle.name]
     columns = _Columns(f)
     known = instance.parameters[size.name] / size.default
-    as_told = columns.left_at(load, known, np.full(len(f.problem.observations), angle))
+    told = np.full(len(f.problem.observations), angle)
+    steady = _steady_loads() if load.angle.periodic else []
+    least = min(columns.left_at(load, known, told), columns.left_at(load, known, told, beside=steady))
     after, angles = columns.at_free_angles(load, known)
-    if after >= (1.0 - MOSTLY) * as_told:
-        return {}
-    return _at_the_motor(f, load.moved(angles, angle))
+    return _at_the_motor(f, load.moved(angles, angle)) if after < (1.0 - MOSTLY) * least else {}
 
 
 def loads_of(model: Model) -> list[str]:
     """The loads of a model that act at an angle of the output."""
-    return [
-        name
-        for name, held in model.active.items()
-        if Trait.LOAD in catalogue()[held.effect].traits and acts_at_an_angle(held)
-    ]
+    of_load = effects_with(Trait.LOAD)
+    return [name for name, held in model.active.items() if held.effect in of_load and acts_at_an_angle(held)]
 
 
 def _loads(model: Model) -> list[Load]:
@@ -120,8 +124,8 @@ def _loads(model: Model) -> list[Load]:
     for id in sorted(effects_with(Trait.LOAD)):
         effect = catalogue()[id]
         choices = effect.options[effect.law] if effect.law else ("",)
-        for options in ({effect.law: choice} if choice else {} for choice in choices):
-            angle = next((p for p in effect.parameters_with(options) if p.unit == "rad"), None)
+        for options in ({**effect.default_options(), **({effect.law: each} if each else {})} for each in choices):
+            angle = next((p for p in effect.parameters_with(options) if p.periodic or p.is_place), None)
             if angle is not None and not (is_linear(model) and Trait.OF_OUTPUT_TURNS in effect.traits):
                 found.append(Load(effect, options, angle))
     return found
@@ -137,13 +141,18 @@ def _steady_loads() -> list[EffectInstance]:
     ]
 
 
-def _begin_at_zero(problem: EquationErrorProblem) -> bool:
-    """Whether all counters read zero where their recordings begin, and nothing but they tells where the output is."""
-    return problem.rows == problem.size > 0 and all(
+def _may_tell(f: Fit) -> bool:
+    """Whether all counters read zero where their recordings begin, and nothing but they tells where the output is.
+
+    On a rigid drivetrain whose friction does not follow its load: there a load only adds its torque.
+    """
+    problem = f.problem
+    begin_at_zero = problem.rows == problem.size > 0 and all(
         not o.of_points
         and abs(o.motor_origin + o.motion[0, MOTOR_ANGLE]) <= NEGLIGIBLE * float(np.ptp(o.motion[:, MOTOR_ANGLE]))
         for o in problem.observations
     )
+    return begin_at_zero and all(problem.alone(f.predicted, one) is not None for one in _steady_loads())
 
 
 def _at_the_motor(f: Fit, ways: np.ndarray) -> dict[str, float]:
@@ -160,40 +169,58 @@ class _Columns:
         self._f, self._known = f, Known.of(f)
         self._all = float(self._known.left @ self._known.left)
 
-    def together(self, loads: Sequence[EffectInstance]) -> Products:
-        """(k, k) and (k,) for ``loads`` of one size in all recordings."""
-        return self._products(loads, [slice(0, self._f.problem.size)])
-
-    def apart(self, loads: Sequence[EffectInstance]) -> Products:
-        """(R k, R k) and (R k,) for ``loads`` of a size of its own in each recording."""
-        return self._products(loads, self._f.problem.torque_parts)
-
-    def _products(self, loads: Sequence[EffectInstance], parts: Sequence[slice]) -> Products:
-        problem, known, size = self._f.problem, self._known, self._f.problem.size
-        rows = np.stack([_rows(problem, self._f, load) for load in loads], 1)
-        rows *= (self._f.weights[:size] / known.root_inflation[:size])[:, None]
-        square = block_diag(*(rows[part].T @ rows[part] for part in parts))
-        inside = np.concatenate([known.basis[:size][part].T @ rows[part] for part in parts], axis=1)
-        along = np.concatenate([rows[part].T @ known.left[:size][part] for part in parts])
+    def _products(self, apart: Sequence[EffectInstance], together: Sequence[EffectInstance] = ()) -> Products:
+        """For the loads ``apart``, of a size of their own in each recording, and those of one size ``together``."""
+        known, size, parts = self._known, self._f.problem.size, self._f.problem.torque_parts
+        own, common = self._rows(apart), self._rows(together)
+        left, basis = known.left[:size], known.basis[:size]
+        square = np.block(
+            [
+                [
+                    block_diag(*(own[p].T @ own[p] for p in parts)),
+                    np.concatenate([own[p].T @ common[p] for p in parts]),
+                ],
+                [np.concatenate([common[p].T @ own[p] for p in parts], axis=1), common.T @ common],
+            ]
+        )
+        inside = np.concatenate([*(basis[p].T @ own[p] for p in parts), basis.T @ common], axis=1)
+        along = np.concatenate([*(own[p].T @ left[p] for p in parts), common.T @ left])
         return square - inside.T @ inside, along
 
-    def left(self, products: Products) -> float:
-        """What loads of any size leave of the squares of the residual, in units of noise."""
-        square, along = products
-        return self._all - float(along @ np.linalg.lstsq(square, along, rcond=SAME_ROWS)[0])
+    def _rows(self, loads: Sequence[EffectInstance]) -> np.ndarray:
+        """Torque rows (m, k) that loads add to the fit, as they are weighted."""
+        problem, known, size = self._f.problem, self._known, self._f.problem.size
+        rows = np.zeros((size, len(loads)))
+        for k, load in enumerate(loads):
+            alone = problem.alone(self._f.predicted, load)
+            assert alone is not None  # see ``_may_tell``
+            rows[:, k] = alone[:size]
+        return rows * (self._f.weights[:size] / known.root_inflation[:size])[:, None]
 
-    def left_at(self, load: Load, size: float, angles: np.ndarray) -> float:
-        """The same for a load of a ``size`` (in usual ones) at an angle (R,) [rad] of each recording."""
-        square, along = self.apart(load.two)
+    def left(self, *, apart: Sequence[EffectInstance] = (), together: Sequence[EffectInstance] = ()) -> float:
+        """What loads of any size leave of the squares of the residual, in units of noise."""
+        square, along = self._products(apart, together)
+        return self._all - _explained(square, along)
+
+    def left_at(self, load: Load, size: float, angles: np.ndarray, beside: Sequence[EffectInstance] = ()) -> float:
+        """The same for a load of a ``size`` (in usual ones) at an angle (R,) [rad] of each recording.
+
+        ``beside`` are loads of any size, another in each recording.
+        """
+        square, along = self._products([*load.two, *beside])
+        per = 2 + len(beside)
+        held = np.arange(len(along)) % per < 2
         shares = load.shares(size, angles).ravel()
-        return self._all - float(2.0 * shares @ along - shares @ square @ shares)
+        gained = float(2.0 * shares @ along[held] - shares @ square[np.ix_(held, held)] @ shares)
+        rest = along[~held] - square[np.ix_(~held, held)] @ shares
+        return self._all - gained - _explained(square[np.ix_(~held, ~held)], rest)
 
     def at_free_angles(self, load: Load, size: float | None = None) -> tuple[float, np.ndarray]:
         """What a load leaves that has one size, but an angle of its own in each recording; and these (R,) [rad].
 
         ``size`` is in usual ones, None if it is free.
         """
-        square, along = self.apart(load.two)
+        square, along = self._products(load.two)
         values, axes = np.linalg.eigh(square)
         kept = values > SAME_ROWS * values[-1]
         root = np.sqrt(values[kept])[:, None] * axes[:, kept].T
@@ -211,8 +238,6 @@ class _Columns:
         return self.left_at(load, started if held else float(found[0]), found[1:]), found[1:]
 
 
-def _rows(problem: EquationErrorProblem, f: Fit, load: EffectInstance) -> np.ndarray:
-    """Torque rows (m,) that a load adds to a fit of a rigid drivetrain, in units of noise."""
-    rows = problem.alone(f.predicted, load)
-    assert rows is not None  # a load only adds its torque, unless the output moves by itself
-    return rows[: problem.size]
+def _explained(square: np.ndarray, along: np.ndarray) -> float:
+    """What the best sizes of columns explain, given their products (k, k) with each other and (k,) with the rest."""
+    return float(along @ np.linalg.lstsq(square, along, rcond=SAME_ROWS)[0]) if len(along) else 0.0

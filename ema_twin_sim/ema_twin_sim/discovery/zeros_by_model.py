@@ -72,11 +72,11 @@ def with_the_models_zeros(
 
 def _of_another_angle(by: Mapping[str, float], model: Model) -> str:
     """Question about a load that acts elsewhere in all recordings by the same way: a weight more would look alike."""
-    way = quantity(next(iter(by.values())), "m" if is_linear(model) else "rad")
+    way = quantity(median_low(by.values()), "m" if is_linear(model) else "rad")
     return (
-        f"{listed(loads_of(model))} of {model.name} is elsewhere in these recordings, which begin where their counters "
-        f"read zero. If the counter starts anew, add {way} to the positions; otherwise run fit for its angle, or "
-        "discover for a load that is missing"
+        f"these recordings fit {listed(loads_of(model))} of {model.name} at another angle: by {way} of the positions, "
+        "in all of them. If their counters started anew, add that to the positions; otherwise run fit for the angle, "
+        "or discover for a further load"
     )
 
 

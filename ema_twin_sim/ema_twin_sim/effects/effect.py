@@ -76,6 +76,11 @@ class Parameter:
     driven: float = 0.0
     choice: str = ""
 
+    @property
+    def is_place(self) -> bool:
+        """Whether it is where something is, at any angle of a shaft, and no width and no phase."""
+        return self.unit == "rad" and not self.periodic and math.isinf(self.lower) and math.isinf(self.upper)
+
 
 @dataclass(frozen=True)
 class Circumstances:

@@ -67,8 +67,9 @@ def top_speed(recording: Recording, model: Model) -> float:
 def implausible(id: str, values: Mapping[str, float], c: Circumstances) -> list[tuple[str, str]]:
     """(parameter, reason) for each implausible value of an effect."""
     effect = catalogue()[id]
-    found = [(rule.parameter, rule.reason) for rule in effect.implausible if rule.when(values, c)]
-    for p in effect.parameters:
+    known = (rule for rule in effect.implausible if rule.parameter in values)  # the others are of another law
+    found = [(rule.parameter, rule.reason) for rule in known if rule.when(values, c)]
+    for p in (one for one in effect.parameters if one.name in values):
         if p.unit == "N m" and abs(values[p.name]) > c.torque_limit:
             found.append((p.name, f"more than the drive's limit of {c.limit_in_words}: it could not move"))
     return found

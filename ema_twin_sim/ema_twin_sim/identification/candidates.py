@@ -7,7 +7,8 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from ..effects import Effect, Trait, catalogue
+from ..effects import Effect, Trait, catalogue, effects_with
+from ..effects.catalogue import is_own
 from ..model.own_units import is_linear
 from ..model.roles import DRY_FRICTION, SENSOR_WAVE
 from ..plant.layout import ANGLE_ERRORS, TORQUE
@@ -52,7 +53,7 @@ def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Can
                 continue  # the model tells which law this machine follows
             # a rigid drivetrain does not distinguish the sides
             unsided = h.parted or options.get("side", "motor") == "motor"
-            elsewhere = _of_another_gearbox(h, options) or _is_gravity(h, effect, options)
+            elsewhere = _of_another_gearbox(h, options) or _is_gravity(h, effect, options, without)
             if options not in added and unsided and not elsewhere:
                 found.append(Candidate(id, options))
     return found
@@ -69,10 +70,16 @@ def _of_another_gearbox(h: Hypothesis, options: Mapping[str, str]) -> bool:
     return h.base.other_orders and not order.is_integer() and not named
 
 
-def _is_gravity(h: Hypothesis, effect: Effect, options: Mapping[str, str]) -> bool:
-    """Whether an effect is a torque once per turn of a motor that turns its output: gravity is the same."""
+def _is_gravity(h: Hypothesis, effect: Effect, options: Mapping[str, str], without: frozenset[str]) -> bool:
+    """Whether an effect is a torque once per turn of a motor that turns its output: gravity is the same.
+
+    Not on a carriage, which has no turns, nor if gravity is excluded.
+    """
+    weights = effects_with(Trait.LOAD) & effects_with(Trait.OF_OUTPUT_TURNS)
+    if not h.base.is_direct or is_linear(h.base) or is_own(effect) or weights <= without:
+        return False
     once = effect.depends_on == "order" and float(options.get("order", 1.0)) == 1.0 and not effect.electrical
-    return h.base.is_direct and once and effect.wave_angle is not None and effect.where(options) == TORQUE
+    return once and effect.wave_angle is not None and effect.where(options) == TORQUE
 
 
 def addable(h: Hypothesis, id: str) -> bool:

@@ -44,13 +44,21 @@ def standard_errors(problem: EquationErrorProblem, f: Fit, known: np.ndarray | N
     return sure
 
 
-def far_off(f: Fit) -> list[str]:
-    """Warnings about constants that ended far outside their tolerance."""
-    return [
-        f"{free.path.removeprefix('scale.').replace('_', ' ')} ended {100.0 * (value - 1.0):+.0f} % off the model's: "
-        "is that file of this machine, or do these recordings tell too little of it?"
+def far_off(f: Fit) -> dict[str, float]:
+    """By the name of each constant that ended far outside its tolerance: by how much of itself it moved."""
+    return {
+        free.path.removeprefix("scale.").replace("_", " "): float(value) - 1.0
         for free, value in zip(f.hypothesis.free, f.hypothesis.values, strict=True)
         if free.path.startswith("scale.") and free.prior is not None and abs(value - 1.0) > CONTRADICTED * free.prior[1]
+    }
+
+
+def far_off_in_words(off: Mapping[str, float]) -> list[str]:
+    """Warnings about such constants."""
+    return [
+        f"{name} ended {100.0 * share:+.0f} % off the model's: is that file of this machine, or do these recordings "
+        "tell too little of it?"
+        for name, share in off.items()
     ]
 
 

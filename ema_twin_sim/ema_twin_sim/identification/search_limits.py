@@ -56,15 +56,15 @@ def reached(observations: Sequence[Observation]) -> Reached:
         else 0.0
         for column in (SPEED, ACCELERATION)
     )
-    angles = [o.output_origin + o.motion[:, OUTPUT_ANGLE] for o in observations]
-    began = [float(angle[0]) for angle in angles]
+    ends = [o.output_origin + end(o.motion[:, OUTPUT_ANGLE]) for o in observations for end in (np.min, np.max)]
+    began = [o.output_origin + float(o.motion[0, OUTPUT_ANGLE]) for o in observations]
     return Reached(
         max((float(np.abs(o.torque).max()) for o in judged), default=0.0),
         speed,
         acceleration,
         max((float(np.ptp(o.motion[:, OUTPUT_ANGLE])) for o in observations), default=0.0),
         max((float(np.ptp(o.motion[:, TIME])) for o in observations), default=0.0),
-        (min(map(np.min, angles), default=0.0), max(map(np.max, angles), default=0.0)),
+        (float(min(ends, default=0.0)), float(max(ends, default=0.0))),
         (min(began, default=0.0), max(began, default=0.0)),
         max((o.period for o in observations), default=0.0),
     )

@@ -36,7 +36,7 @@ def start_values(effect: Effect, parameter: Parameter, of: Reached) -> tuple[flo
         return _covered(effect, parameter, of)
     if parameter.periodic:
         return (0.0, 0.5 * math.pi)
-    if parameter.unit == "rad" and math.isinf(parameter.upper):  # a place, other than where the recordings begin
+    if parameter.is_place:  # other than where the recordings begin
         apart = of.began[1] - of.began[0] > SMALL * (of.places[1] - of.places[0])
         return _linear(*of.places, FEWEST) if apart else ()
     lower, upper = parameter.lower, parameter.upper

@@ -106,14 +106,17 @@ def _by_factor(recording: Recording, model: Model, beside: Sequence[Recording]) 
         # if a signal fits neither of two others, that signal is wrong
         factor = found.turned() if named.count(found.other) > named.count(found.signal) else found
         pair, mistake = {factor.signal, factor.other}, usual_mistake(factor, model)
+        certain = bool(mistake) or not fits_elsewhere(found, recording, model, beside)
+        remedy = "check unit, factor and counts of both in the import map" + _ALSO.get(frozenset(pair), "").format(
+            ratio=model.value("machine.gear_ratio") / abs(found.value)
+        )
         yield Inconsistency(
             recording.name,
             f"{factor.signal} is {_times(factor.value)} what {factor.other} makes it{mistake}",
-            "check unit, factor and counts of both in the import map"
-            + _ALSO.get(frozenset(pair), "").format(ratio=model.value("machine.gear_ratio") / abs(found.value)),
+            remedy if certain else "in most other recordings they fit: does one of them drift or slip here?",
             f"{factor.signal} {factor.other}{mistake}",
             factor.value,
-            certain=bool(mistake) or not fits_elsewhere(found, recording, model, beside),
+            certain=certain,
         )
 
 

@@ -26,19 +26,23 @@ _LOAD = ("load",)
 def sign_bits(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> dict[str, int]:
     """By the name of each column that holds the sign in a bit, which one that is. What has a unit is no register."""
     told = [read for read in names if read.unit is None and (word_quantity(read.words) in _SIGNED or _is_load(read))]
-    found = {read.name: sign_bit(numbers[read.name]) for read in told if read.name in numbers}
+    found = {
+        read.name: sign_bit(numbers[read.name], _BITS if _is_load(read) else (OF_SPEED,))
+        for read in told
+        if read.name in numbers
+    }
     return {name: bit for name, bit in found.items() if bit is not None}
 
 
-def sign_bit(values: np.ndarray) -> int | None:
-    """Which bit of whole numbers (n,) is their sign; None if none is.
+def sign_bit(values: np.ndarray, bits: Sequence[int] = _BITS) -> int | None:
+    """Which of the ``bits`` of whole numbers (n,) is their sign; None if none is.
 
     Numbers with that bit come and go, and without it they are about as large as the others, down to small ones.
     """
     known = values[np.isfinite(values)]
     if not len(known) or known.min() < 0.0 or not np.array_equal(known, np.round(known)):
         return None
-    return next((bit for bit in _BITS if _is_sign(known, 2.0**bit)), None)
+    return next((bit for bit in bits if _is_sign(known, 2.0**bit)), None)
 
 
 def how_to_decode(bits: Mapping[str, int]) -> list[str]:

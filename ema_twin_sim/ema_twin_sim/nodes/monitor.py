@@ -34,7 +34,7 @@ from ..live.verdict import Level, errors_in_words, level_of
 from ..live.waiting import CAPACITY
 from ..model import Model
 from ..own_effects import load_effects
-from ..simulation.compared_signals import UNITS, given_with, noise_floors
+from ..simulation.compared_signals import UNITS, driving, noise_floors
 from .diagnosing.history import History
 from .diagnosing.node import DiagnosisNode, Watched
 from .waiting_states import WaitingStates
@@ -233,7 +233,7 @@ class MonitorNode(Node):
             silent = now - self._bench_arrival > patience
             return Level.STALE, "no samples received" if silent else "the twin does not answer the bench's samples"
         comparison = self.comparison
-        driven = given_with(comparison.source)
+        driven = driving(comparison.source)
         limits = self._limits["warn_at"], self._limits["error_at"]
         return level_of(rmse_window, comparison.noise_floor, driven, *limits)
 

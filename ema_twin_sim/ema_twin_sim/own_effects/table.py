@@ -30,6 +30,9 @@ def checked_table(file: Path, effect: Effect) -> Effect:
     options = _checked_options(check, effect.options)
     if effect.law and effect.law not in options:
         raise check.error("EFFECT.law", f"'{effect.law}' is no option", "name one of EFFECT.options, or leave it out")
+    if parameters[0].choice:
+        place = f"EFFECT.parameters.{parameters[0].name}.choice"
+        raise check.error(place, "the first parameter is the effect's size", "leave it out: all laws have it")
     for parameter in parameters:
         if parameter.choice and parameter.choice not in options.get(effect.law, ()):
             place = f"EFFECT.parameters.{parameter.name}.choice"
@@ -77,7 +80,7 @@ def _checked_parameter(check: _Check, parameter: object, number: int) -> Paramet
         check.number(parameter.neutral, f"{place}.neutral")
     default, *starts = within.values()
     shapes = number > 0 or parameter.neutral is None
-    anywhere = parameter.unit == "rad"  # a place: the recordings tell where to look for it
+    anywhere = replace(parameter, lower=lower, upper=upper).is_place  # the recordings tell where to look for it
     if shapes and not starts and not parameter.periodic and not anywhere and math.isinf(upper - lower):
         raise check.error(place, "has no bound, and no values to look for it at", "give starts=(...), or bounds")
     return replace(parameter, default=default, lower=lower, upper=upper, starts=tuple(starts), driven=driven)

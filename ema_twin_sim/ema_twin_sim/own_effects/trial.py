@@ -96,7 +96,8 @@ def _settings(effect: Effect) -> Iterator[dict[str, float]]:
 
 def _try_settle(file: Path, effect: Effect, way: str, constants: np.ndarray, options: Options) -> None:
     """Try the function with that name on constants (1,) that are all one."""
-    for parameters in _settings(effect):
+    held = {p.name for p in effect.parameters_with(options)}
+    for parameters in ({k: v for k, v in setting.items() if k in held} for setting in _settings(effect)):
         settled = constants.copy()
         try:
             getattr(effect, way)(settled[0], parameters, options)

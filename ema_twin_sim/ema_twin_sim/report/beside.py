@@ -16,7 +16,7 @@ from ..measured.scales import standstill, to_rotary_equivalent
 from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
-from ..simulation.compared_signals import UNITS, given_with
+from ..simulation.compared_signals import UNITS, driving
 from ..simulation.simulate import choose_input, simulate
 
 
@@ -70,7 +70,7 @@ def _beside(recording: Recording, model: Model, source: str, step: float | None,
     place = None
     for name, residual in residuals.items():
         place = in_native_units(model, name, stretch_of(recording, twin, residual, ratio))
-        if name in given_with(source):
+        if name in driving(source):
             continue
         torque = name == "unexplained_torque"
         measured = recording.signals["current"] * constant if torque else recording.signals[name]

@@ -65,9 +65,10 @@ def moved_numbers(before: Model, after: Model, findings: Findings | None = None)
     for name, instance in after.effects.items():
         old = before.effects.get(name)
         if old is not None and old.effect == instance.effect:
-            for parameter, value in instance.parameters.items():
+            for parameter in (one for one in instance.parameters if one in old.parameters):  # not those of another law
                 unit = after.parameter_unit(instance.effect, parameter)
-                pairs.append((f"{name}.{parameter}", old.parameters[parameter], value, unit))
+                was, value = old.parameters[parameter], instance.parameters[parameter]
+                pairs.append((f"{name}.{parameter}", was, value, unit))
     moved: list[tuple[str, Held]] = []
     for path, nominal, value, unit in pairs:
         if not math.isclose(value, nominal, rel_tol=SAME):

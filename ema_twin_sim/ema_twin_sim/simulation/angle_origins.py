@@ -61,5 +61,5 @@ _NAMED = 3
 def acts_at_an_angle(instance: EffectInstance) -> bool:
     """Whether what an effect does depends on the angle itself, and so on its zero."""
     effect = catalogue()[instance.effect]
-    placed = any(p.periodic or (p.choice and p.unit == "rad") for p in effect.parameters_with(instance.options))
+    placed = any(p.periodic or p.is_place for p in effect.parameters_with(instance.options))
     return effect.depends_on == "order" or placed

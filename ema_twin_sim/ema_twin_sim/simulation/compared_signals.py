@@ -53,7 +53,7 @@ UNITS: dict[str, str] = {name: signal_unit(name) for name in COMPARED}
 """Their units; a residual is measured minus twin."""
 
 
-def given_with(source: str) -> frozenset[str]:
+def driving(source: str) -> frozenset[str]:
     """The compared signals that drive a twin with this input."""
     return frozenset(name for name, signal in COMPARED.items() if source in signal.given_with)
 

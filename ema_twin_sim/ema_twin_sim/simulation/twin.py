@@ -149,8 +149,8 @@ class Twin:
         Raises InputError with the reason.
         """
         model = self._model
-        for path, value in settings.items():
-            model = model.with_setting(path, value)
+        for path, value in sorted(settings.items(), key=lambda item: not isinstance(item[1], str)):
+            model = model.with_setting(path, value)  # options first: another law may have parameters of its own
         self._take(model)
 
     def start(
