@@ -207,6 +207,9 @@ class Model:
                 raise self._without(name)
             instance = self.effects[name]
             effect = find_effect(instance.effect, path)
+            elsewhere = next((p for p in effect.parameters if p.name == parameter and p.choice), None)
+            if elsewhere is not None and parameter not in instance.parameters and value == elsewhere.default:
+                return self  # of another law: a running twin states it all the same
             changed = checked_instance(
                 effect,
                 {**instance.parameters, parameter: value},

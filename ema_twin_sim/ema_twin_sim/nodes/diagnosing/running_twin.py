@@ -96,7 +96,8 @@ class RunningTwin:
 def _with(base: Model, settings: Settings) -> Model:
     """`base` with the settings of a twin that started with it; effects that are off and not in `base` are left out."""
     model = switchable(base)
-    for path, value in settings.items():
+    # options first: another law may have parameters of its own
+    for path, value in sorted(settings.items(), key=lambda item: not isinstance(item[1], str)):
         _, name, *_ = [*path.split("."), ""]
         if path in model.constants or (path.startswith("effects.") and name in model.effects):
             model = model.with_setting(path, value)
