@@ -42,6 +42,7 @@ EFFECT = (
     " parameters=({parameters}), {way}, {more})\n"
 )
 TABLE = 'Parameter("torque", "N m", 0.05, 0.0, 1.0, "size"),'
+LAWS = 'options={"kind": ("a", "b")}, law="kind"'
 
 
 def text(act="p[0]", parameters=TABLE, id="own_load", way="act=act", more=""):
@@ -235,6 +236,14 @@ WRONG = {
     "a catalogue's import": ("from .effect import Effect\n", ["line 1", "from ema_twin_sim.effects.effect import"]),
     "a forgotten comma": (text(parameters=TABLE.rstrip(",")), ["line 5", "a table of one parameter ends in a comma"]),
     "a missing argument": (text(way="place=TORQUE"), ["line 5", "give act or settle"]),
+    "a size of one law": (
+        text(parameters='Parameter("torque", "N m", 0.05, 0.0, 1.0, "size", choice="b"),', more=LAWS),
+        ["parameters.torque.choice", "the first parameter is the effect's size"],
+    ),
+    "a choice that is none": (
+        text(parameters=TABLE + 'Parameter("speed", "rad/s", 1.0, 0.1, 9.0, "s", choice="c"),', more=LAWS),
+        ["parameters.speed.choice", "'c' is no choice of EFFECT.law"],
+    ),
     "no parameter": (text(act="0.1", parameters=""), ["EFFECT.parameters", "at least one"]),
     "no Parameter": (text(parameters="'torque',"), ["EFFECT.parameters[0]", "'torque'", "Parameter("]),
     "an id that is none": (text(id="Own Load"), ["EFFECT.id", "small letters"]),
@@ -284,6 +293,22 @@ def test_a_wrong_file_is_refused_with_place_and_remedy(own, what):
     for part in expected:
         assert part in said, said
     assert not own_files()
+
+
+def test_a_parameter_of_one_law_is_none_of_another(own, stock):
+    """A function that settles the plant sees those of the law alone, in the trial as in a run."""
+    speed = 'Parameter("speed", "rad/s", 1.0, 0.1, 9.0, "s", choice="b"),'
+    settle = (
+        "def settle(plant, parameters, options):\n"
+        "    plant['motor_dry'] += parameters['torque'] * (parameters['speed'] if options['kind'] == 'b' else 1.0)\n"
+    )
+    effect = EFFECT.format(id="own_law", parameters=TABLE + speed, way="settle=settle", more=LAWS)
+    load_effect(own(HEAD + settle + effect))
+    dry = [
+        assemble(stock.with_effect("own_law", parameters, {"kind": kind})).plant["motor_dry"][0]
+        for kind, parameters in (("a", {}), ("b", {"speed": 3.0}))
+    ]
+    assert dry[1] - dry[0] == pytest.approx(2.0 * 0.05)
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 import warnings
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
@@ -17,6 +17,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.long_columns import Column, less_rows
 from ema_bench_replay.traces.blank_columns import rows_with_tabs, with_tabs
 from ema_bench_replay.traces.header_lines import NoHeader, header_lines
+from ema_bench_replay.traces.incomplete_ends import MOST, Cells, incomplete_rows, left_out_words
 from ema_bench_replay.traces.missing_numbers import holds_nothing
 from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
 from ema_bench_replay.traces.row_ends import rows_without_ends, without_row_ends
@@ -26,7 +27,6 @@ from ema_bench_replay.traces.time_of_day import is_time_of_day, seconds
 #: A longer trace is refused: it would not fit into the memory of an ordinary machine.
 LARGEST = 2 << 30
 _ROWS_FOR_DECIMALS = 50
-_MOST_AT_AN_END = 3  # rows without numbers that a logger writes when it is switched on or off; more are no end
 _BYTES_FOR_NEWLINE = 1 << 16
 
 
@@ -168,6 +168,7 @@ class _RowReader:
         self.trailing = len(cells) > 1 and not cells[-1]
         self.header = cells[:-1] if self.trailing else cells
         self.needed = sorted(needed(self.header))
+        self.judged = self.needed or range(len(self.header))  # columns whose numbers a row at an end may lack
         self.known = np.ones(len(self.header), dtype=bool)  # columns in which all cells so far hold numbers
         # A comma inside quotation marks is part of a number; those between cells become semicolons.
         self.quoted_commas = self.written_delimiter == "," and b'"' in body
@@ -248,18 +249,11 @@ class _RowReader:
             f"{self.path.name}: line {line}: the last row is cut, so only the rows before it can be used"
         )
 
-    def _report_unreadable(self, line: int, count: int, column: str, cell: str, end: tuple[str, str]) -> None:
-        """Warn of ``count`` rows at an end, of which the first, in this line, holds such a cell."""
-        which, others = end
-        holds = f"holds {cell!r}, which is no number" if cell else "is empty"
-        if count == 1:
-            said = f"line {line}: the {which} row is left out, since its column {column!r} {holds}"
-        else:
-            said = (
-                f"lines {line} to {line + count - 1}: the {which} {count} rows are left out, since they lack numbers "
-                f"that all rows {others} hold; in the first of them, column {column!r} {holds}"
-            )
-        self.warnings.append(f"{self.path.name}: {said}")
+    def _report_incomplete(self, rows: range, column: int, cells: Cells, lines: Sequence[int]) -> None:
+        """Warn of ``rows`` at an end, of which the first holds no number in a column; ``lines`` are those of all."""
+        first = rows.start
+        told = left_out_words(lines[first], len(rows), self.header[column], cells[first][column], at_begin=first == 0)
+        self.warnings.append(f"{self.path.name}: {told}")
 
     def _only_needed(self, text: bytes) -> np.ndarray | None:
         """The rows, with NaN in unneeded columns, if the others contain nothing unusual; otherwise None."""
@@ -323,7 +317,7 @@ class _RowReader:
             self._report_torn(whole[-1][0])
             whole.pop()
         rows = np.empty((len(whole), len(self.header)))
-        begins = self.line == self.first_line and len(whole) > 2 * _MOST_AT_AN_END
+        begins = self.line == self.first_line and len(whole) > 2 * MOST
         at_begin: dict[int, dict[int, str]] = {}  # cells of the first rows that are no numbers, by row and column
         at_end: dict[int, dict[int, str]] = {}  # those of the last rows
         for number, (at, line) in enumerate(whole):
@@ -332,7 +326,7 @@ class _RowReader:
                 self._refuse_unnamed([line for _, line in whole])
                 counts = f"has {len(cells)} cell{'s' * (len(cells) != 1)} where the header has {len(self.header)}"
                 raise InputError(f"{self.path}: line {at}: {counts}; remove or complete the row")
-            may_end = is_last and len(whole) - number <= _MOST_AT_AN_END and at > self.first_line
+            may_end = is_last and len(whole) - number <= MOST and at > self.first_line
             for column, cell in enumerate(cells):
                 try:
                     rows[number, column] = self.format.value(cell)
@@ -342,7 +336,7 @@ class _RowReader:
                         self.times_of_day.add(column)
                         continue
                     rows[number, column] = np.nan
-                    if begins and number < _MOST_AT_AN_END and not _is_number(cell):
+                    if begins and number < MOST and not _is_number(cell):
                         at_begin.setdefault(number, {})[column] = cell
                     elif may_end and not _is_number(cell):
                         at_end.setdefault(number, {})[column] = cell
@@ -353,25 +347,22 @@ class _RowReader:
         kept = self._first_kept(rows[: len(rows) - len(at_end)], at_begin, lines)
         return self._without_end(rows[kept:], {row - kept: cells for row, cells in at_end.items()}, lines[kept:])
 
-    def _first_kept(self, rows: np.ndarray, at_begin: Mapping[int, Mapping[int, str]], lines: Sequence[int]) -> int:
+    def _first_kept(self, rows: np.ndarray, at_begin: Cells, lines: Sequence[int]) -> int:
         """The first row that is not left out; ``at_begin`` are the first rows' cells that are none, ``lines`` theirs.
 
         Raises InputError if a row that stays lacks a number in a needed column.
         """
-        judged, kept = self.needed or range(len(self.header)), 0
-        for begin in range(len(at_begin), 0, -1):  # the most rows that all are the beginning
-            whole = np.isfinite(rows[begin:]).all(axis=0)
-            lacking = [self._lacking(at_begin.get(row, {}), whole, judged) for row in range(begin)]
-            if (column := lacking[0]) is not None and None not in lacking:
-                self._report_unreadable(
-                    lines[0], begin, self.header[column], at_begin[0][column], ("first", "after them")
-                )
-                self.first, kept = [lines[row] - self.first_line for row in range(begin)], begin
-                break
+        kept = 0
+        most_first = range(len(at_begin), 0, -1)
+        begins = ((range(count), np.isfinite(rows[count:]).all(axis=0)) for count in most_first)
+        if (found := incomplete_rows(begins, at_begin, self.judged)) is not None:
+            self._report_incomplete(*found, at_begin, lines)
+            kept = len(found[0])
+            self.first = [line - self.first_line for line in lines[:kept]]
         self._refuse_needed({row: cells for row, cells in at_begin.items() if row >= kept}, lines)
         return kept
 
-    def _refuse_needed(self, cells: Mapping[int, Mapping[int, str]], lines: Sequence[int]) -> None:
+    def _refuse_needed(self, cells: Cells, lines: Sequence[int]) -> None:
         """Raise InputError for the first of the ``cells`` that is in a needed column."""
         for row, held in sorted(cells.items()):
             for column, cell in held.items():
@@ -408,32 +399,21 @@ class _RowReader:
             "row, or leave the column out of the import map"
         )
 
-    def _without_end(
-        self, rows: np.ndarray, at_end: Mapping[int, Mapping[int, str]], lines: Sequence[int]
-    ) -> np.ndarray:
+    def _without_end(self, rows: np.ndarray, at_end: Cells, lines: Sequence[int]) -> np.ndarray:
         """The rows without the last ones that lack numbers; ``at_end`` are their cells that are none, ``lines`` theirs.
 
         Raises InputError if a row that stays lacks a number in a needed column.
         """
-        judged = self.needed or range(len(self.header))
         first = len(rows)
         while first - 1 in at_end:
             first -= 1
-        for begin in range(first, len(rows)):  # the most rows that all are the end
-            whole = self.known & np.isfinite(rows[:begin]).all(axis=0)
-            ended = [self._lacking(at_end[row], whole, judged) for row in range(begin, len(rows))]
-            if (column := ended[0]) is not None and None not in ended:
-                self._report_unreadable(
-                    lines[begin], len(ended), self.header[column], at_end[begin][column], ("last", "before")
-                )
-                rows = rows[:begin]
-                break
+        most_first = (range(begin, len(rows)) for begin in range(first, len(rows)))
+        ends = ((end, self.known & np.isfinite(rows[: end.start]).all(axis=0)) for end in most_first)
+        if (found := incomplete_rows(ends, at_end, self.judged)) is not None:
+            self._report_incomplete(*found, at_end, lines)
+            rows = rows[: found[0].start]
         self._refuse_needed({row: cells for row, cells in at_end.items() if row < len(rows)}, lines)
         return rows
-
-    def _lacking(self, cells: Mapping[int, str], whole: np.ndarray, judged: Collection[int]) -> int | None:
-        """The column by which a row belongs to the end: one that was ``whole`` before."""
-        return next((column for column in cells if column in judged and whole[column]), None)
 
 
 def _is_number(cell: str) -> bool:

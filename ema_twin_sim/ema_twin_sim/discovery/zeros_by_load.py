@@ -107,9 +107,10 @@ def zeros_by_known_load(f: Fit, model: Model) -> dict[str, float]:
     known = instance.parameters[size.name] / size.default
     told = np.full(len(f.problem.observations), angle)
     steady = _steady_loads() if load.angle.periodic else []
-    least = min(columns.left_at(load, known, told), columns.left_at(load, known, told, beside=steady))
     after, angles = columns.at_free_angles(load, known)
-    return _at_the_motor(f, load.moved(angles, angle)) if after < (1.0 - MOSTLY) * least else {}
+    if after >= (1.0 - MOSTLY) * columns.left_at(load, known, told, beside=steady):
+        return {}
+    return _at_the_motor(f, load.moved(angles, angle))
 
 
 def loads_of(model: Model) -> list[str]:

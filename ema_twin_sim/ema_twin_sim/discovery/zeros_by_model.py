@@ -56,7 +56,7 @@ def with_the_models_zeros(
         by = _apart(recordings, by)
     if not by:
         return list(recordings), ()
-    if not waves_of(model) and not _apart(recordings, by):
+    if not _telling_waves(model) and not _apart(recordings, by):
         return list(recordings), (_of_another_angle(by, model),)
     unit = "m" if is_linear(model) else "rad"
     each = listed(f"{quantity(way, unit)} for {name}" for name, way in by.items())
@@ -82,7 +82,12 @@ def _of_another_angle(by: Mapping[str, float], model: Model) -> str:
 
 def has_a_zero(model: Model) -> bool:
     """Whether a model has a torque at an angle, on a machine whose counter may start anew."""
-    return bool(loads_of(model)) or (model.other_orders and bool(waves_of(model)))
+    return bool(loads_of(model) or _telling_waves(model))
+
+
+def _telling_waves(model: Model) -> list[str]:
+    """The waves of a model by which a zero is told; none if the model names all orders that there are."""
+    return waves_of(model) if model.other_orders else []
 
 
 def zeros_by_model(recordings: Sequence[Recording], given: Model) -> dict[str, float]:
@@ -95,7 +100,7 @@ def zeros_by_model(recordings: Sequence[Recording], given: Model) -> dict[str, f
     by: dict[str, float] = {}
     if loads_of(given):
         by = _by(recordings, given, loads_of(given), zeros_by_known_load)
-    if given.other_orders and (waves := waves_of(given)):
+    if waves := _telling_waves(given):
         more = _by(with_zeros_moved(recordings, by), given, waves, _by_waves)
         by = {name: by.get(name, 0.0) + more.get(name, 0.0) for name in {**by, **more}}
     return by

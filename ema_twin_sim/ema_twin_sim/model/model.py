@@ -207,9 +207,6 @@ class Model:
                 raise self._without(name)
             instance = self.effects[name]
             effect = find_effect(instance.effect, path)
-            elsewhere = next((p for p in effect.parameters if p.name == parameter and p.choice), None)
-            if elsewhere is not None and parameter not in instance.parameters and value == elsewhere.default:
-                return self  # of another law: a running twin states it all the same
             changed = checked_instance(
                 effect,
                 {**instance.parameters, parameter: value},
@@ -258,6 +255,25 @@ class Model:
         if part == "effects" and isinstance(value, str):
             return self.with_option(name, word, value)
         return self.with_value(path, value)  # type: ignore[arg-type]
+
+    def with_settings(self, settings: Mapping[str, bool | float | str]) -> Model:
+        """A model with several settings changed, options first, since another law may have parameters of its own.
+
+        A parameter of another law may be set to its default, which changes nothing: a running twin states all of them.
+        """
+        model = self
+        for path, value in sorted(settings.items(), key=lambda item: not isinstance(item[1], str)):
+            if not model._is_default_of_another_law(path, value):
+                model = model.with_setting(path, value)
+        return model
+
+    def _is_default_of_another_law(self, path: str, value: bool | float | str) -> bool:
+        part, name, word = [*path.split("."), "", ""][:3]
+        instance = self.effects.get(name) if part == "effects" else None
+        if instance is None or word in instance.parameters:
+            return False
+        others = (p for p in find_effect(instance.effect, path).parameters if p.name == word)
+        return any(value == p.default for p in others)
 
 
 def _electrical(name: str, order: float) -> str:

@@ -144,14 +144,11 @@ class Twin:
         return found
 
     def change(self, settings: Mapping[str, bool | float | str]) -> None:
-        """Make several changes at once from the next sample on (see ``Model.with_setting``); none if one is refused.
+        """Make several changes at once from the next sample on (see ``Model.with_settings``); none if one is refused.
 
         Raises InputError with the reason.
         """
-        model = self._model
-        for path, value in sorted(settings.items(), key=lambda item: not isinstance(item[1], str)):
-            model = model.with_setting(path, value)  # options first: another law may have parameters of its own
-        self._take(model)
+        self._take(self._model.with_settings(settings))
 
     def start(
         self,

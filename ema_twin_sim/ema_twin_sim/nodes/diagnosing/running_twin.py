@@ -96,15 +96,16 @@ class RunningTwin:
 def _with(base: Model, settings: Settings) -> Model:
     """`base` with the settings of a twin that started with it; effects that are off and not in `base` are left out."""
     model = switchable(base)
-    # options first: another law may have parameters of its own
-    for path, value in sorted(settings.items(), key=lambda item: not isinstance(item[1], str)):
+    known = {}
+    for path, value in settings.items():
         _, name, *_ = [*path.split("."), ""]
         if path in model.constants or (path.startswith("effects.") and name in model.effects):
-            model = model.with_setting(path, value)
+            known[path] = value
         elif path.endswith(f".{ENABLED}") and value:
             raise InputError(
                 f"the twin has an effect '{name}' that the monitor does not know; give the monitor the twin's model, "
                 "and its effect_files"
             )
+    model = model.with_settings(known)
     kept = {name: held for name, held in model.effects.items() if held.enabled or name in base.effects}
     return replace(model, effects=kept)
