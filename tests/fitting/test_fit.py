@@ -165,8 +165,11 @@ def test_every_parameter_of_the_catalogue_moves_both_methods(stock):
     loaded = stock.with_effect("spring_load", {"stiffness": 0.1})
     recordings = bench(loaded, ("sine:1:0.3", "triangle:0.1:1", "triangle:0.02:1"), 4.0)
     observations = observe_all(recordings, loaded)
-    for id, effect in catalogue().items():
-        model = loaded.with_effect(id)
+    laws = [
+        (id, {effect.law: law}) for id, effect in catalogue().items() for law in {p.choice for p in effect.parameters}
+    ]
+    for id, options in laws:
+        model = loaded.with_effect(id, options={law: choice for law, choice in options.items() if choice})
         *others, added = (f"effects.{name}" for name in model.effects)
         freedom = choose_numbers(model, [added], [*others, *INERTIAS])
         misfits = (
@@ -176,7 +179,7 @@ def test_every_parameter_of_the_catalogue_moves_both_methods(stock):
         for misfit in misfits:
             start = misfit.freedom.start
             slopes = misfit.slopes(start, misfit.weights(misfit.residual(start)))
-            for parameter in effect.parameters:
+            for parameter in catalogue()[id].parameters_with(model.effects[added.removeprefix("effects.")].options):
                 if parameter.at_rest:
                     continue
                 place = misfit.freedom.index(f"{added}.{parameter.name}")

@@ -11,8 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import block_diag
-from scipy.optimize import least_squares
 
 from ..criteria import MOSTLY, NEGLIGIBLE
 from ..effects import Effect, Parameter, Trait, catalogue, effects_with
@@ -172,6 +170,8 @@ class _Columns:
 
     def _products(self, apart: Sequence[EffectInstance], together: Sequence[EffectInstance] = ()) -> Products:
         """For the loads ``apart``, of a size of their own in each recording, and those of one size ``together``."""
+        from scipy.linalg import block_diag  # half a second, and most recordings do not come so far
+
         known, size, parts = self._known, self._f.problem.size, self._f.problem.torque_parts
         own, common = self._rows(apart), self._rows(together)
         left, basis = known.left[:size], known.basis[:size]
@@ -221,6 +221,8 @@ class _Columns:
 
         ``size`` is in usual ones, None if it is free.
         """
+        from scipy.optimize import least_squares  # as long
+
         square, along = self._products(load.two)
         values, axes = np.linalg.eigh(square)
         kept = values > SAME_ROWS * values[-1]
