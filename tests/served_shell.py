@@ -1,7 +1,8 @@
 """A shell in which ``ema-twin`` is a function: it hands its words to the command server, and ends as the command does.
 
 The function writes into one pipe where it stands, where its own streams are and what it was given; from another it
-reads how that ended. Commands that start processes are started themselves.
+reads how that ended. Its streams are told by descriptors of their own, since those of the shell are the pipes while it
+writes and reads. Commands that start processes are started themselves.
 """
 
 import os
@@ -14,8 +15,13 @@ _FUNCTION = """
 shopt -s extglob
 ema-twin() {
     case " $* " in *" "@(%s)" "*) command ema-twin "$@"; return;; esac
-    local status
-    printf '%%s\\0' "$PWD" "/proc/$BASHPID/fd" "$@" >&%d && printf '\\n' >&%d && read -r status <&%d && return "$status"
+    local status streams=/proc/$BASHPID/fd in out err
+    exec {in}<&0 {out}>&1 {err}>&2
+    printf '%%s\\0' "$PWD" "$streams/$in" "$streams/$out" "$streams/$err" "$@" >&%d
+    printf '\\n' >&%d
+    read -r status <&%d || status=1
+    exec {in}<&- {out}>&- {err}>&-
+    return "$status"
 }
 """
 
@@ -36,6 +42,6 @@ def _serve(asked, answers, timeout):
     """Give each order to the server, and tell how it ended."""
     with suppress(BrokenPipeError), os.fdopen(asked) as orders, os.fdopen(answers, "w") as ends:
         for order in orders:
-            cwd, streams, *arguments = order.removesuffix("\0\n").split("\0")
-            status = server().give(arguments, cwd, timeout, [f"{streams}/{number}" for number in range(3)])
+            cwd, given, printed, told, *arguments = order.removesuffix("\0\n").split("\0")
+            status = server().give(arguments, cwd, timeout, [given, printed, told])
             print(1 if status is None else status, file=ends, flush=True)
