@@ -256,7 +256,7 @@ def _beside_wander(
         wander = wandering(plain, taken[1] if _many(current) and len(taken) > 1 else current)
     if wander is None:
         return None
-    cost_of_many = _torque_cost(current) if _many(current) else math.inf
+    cost_of_many = torque_cost(current) if _many(current) else math.inf
 
     def restart() -> tuple[Fit, list[Round]]:
         asked.progress(
@@ -266,7 +266,7 @@ def _beside_wander(
         return add_effects(settle(fit(anew, asked.null)), asked.by_torque, asked.progress, most=asked.most)
 
     beside, rounds_beside = asked.restarts(wander, plain.use_encoder, restart)
-    too_dear = _torque_cost(beside) + wander.complexity_penalty > cost_of_many
+    too_dear = torque_cost(beside) + wander.complexity_penalty > cost_of_many
     return None if too_dear or not explains_torque_with(wander, plain, beside) else (beside, rounds_beside)
 
 
@@ -288,7 +288,7 @@ def depends_on_more(problem: EquationErrorProblem, h: Hypothesis, at_most: float
     )
 
 
-def _torque_cost(f: Fit) -> float:
+def torque_cost(f: Fit) -> float:
     """Cost of a hypothesis by torque, as twice a negative log-likelihood including its complexity penalty."""
     return float(f.problem.costs(f.raw)[: f.problem.size].sum()) / f.problem.correlation + complexity_penalty(f)
 
