@@ -41,6 +41,7 @@ from .idle_effects import idle_effects, shows_over
 from .left_over import left_over_words
 from .reading import read_with_one_zero
 from .search.adding import settle
+from .search.one_recording import less_what_one_recording_leaves_open
 from .search.removing import less, significant
 from .search.rivals import Rivalry, judged_against_rivals, undecided
 from .search.search import search
@@ -49,7 +50,6 @@ from .search.trace import Search
 from .search.unknown import beside_the_unknown, doubted
 from .search.wandering_end import (
     less_what_wandering_explains,
-    less_what_wanders_as_well,
     wandering_after_all,
     without_warming_that_wandering_explains,
 )
@@ -309,7 +309,7 @@ def _searched(
     if len(found.fit.hypothesis.added) >= MOST_EFFECTS:  # if it takes that many effects, the cause is something else
         return found, False
     found = less_what_wandering_explains(in_another_order(found, excluded, progress), progress)
-    found = less_what_wanders_as_well(found, progress)
+    found = less_what_one_recording_leaves_open(found, progress)
     start, wander = found.rounds[0].before, found.problem.weighting.wander
     if explained(found.problem, found.fit, start):
         return found, wander is None or _explained_without_wander(found.fit, start)

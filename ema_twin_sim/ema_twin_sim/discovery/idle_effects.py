@@ -8,6 +8,7 @@ from ..criteria import NEGLIGIBLE, NOISY, PART
 from ..effects import catalogue
 from ..identification.hypothesis import COMPLIANT_EFFECTS
 from ..model.roles import BRISTLE
+from .criteria.worth import ENCODER_ONLY
 from .search.trace import SWAPS, Search, new_names
 from .unseen import Unseen
 
@@ -17,6 +18,8 @@ def idle_effects(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]
 
     * Backlash or compliance that the encoders suggest but that removes little of the error there. In a loop with known
       constants it must remove more than it leaves: play and a shaft that winds up look alike to slow encoders.
+    * An error of an encoder that removes little of the output's error there, with known constants and rigid teeth: a
+      gearbox that rings, or gives way by less than can be named, gains as much from the encoders.
     * A bristle that removes nothing there, since it acts only in the first moments of a motion.
     * With open constants: any effect on the torque that removes nothing there, or beside the noise adds to the error;
       and all that came after an error which was smaller than that of the end.
@@ -33,6 +36,9 @@ def idle_effects(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]
         bending = tuple(name for name in came if added[name].effect == BRISTLE)
         first = _before_both(found, k)
         ended = k + 1 if first == k else len(unseen.moving) - 1
+        misread = tuple(name for name in came if added[name].effect in ENCODER_ONLY)
+        if misread and not real and not found.fit.parted and unseen.output and unseen.output_removed(k, k + 1) < PART:
+            return misread, False
         of_torque = real and bool(came) and any(shows_over(found, name) != "encoders" for name in came)
         if unseen.moving[k] <= NOISY * unseen.noise_floor:
             if of_torque and unseen.moving[ended] > (1.0 + NEGLIGIBLE) * unseen.moving[first]:

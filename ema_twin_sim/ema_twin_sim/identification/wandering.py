@@ -11,7 +11,7 @@ from ..plant.measured_motion import SPEED, TIME
 from .basis_columns import at_rows, at_rows_of, hat_columns
 from .equation import EquationErrorProblem
 from .fit import Fit
-from .generic_bases import KNOT, KNOTS, MOST_KNOTS
+from .generic_bases import KNOT, KNOTS, LEAST_KNOTS, MOST_KNOTS
 from .wander import Wander
 
 SHARES = tuple(0.0025 * 2.0 ** (k / 2.0) for k in range(12))
@@ -20,9 +20,12 @@ HARDLY = 1e-12
 """Relative to the largest squared spread: directions below this are rounding errors."""
 
 
-def wandering(problem: EquationErrorProblem, f: Fit) -> Wander | None:
-    """How friction wanders, from the residual of a fit: the most likely share; None if there is no wandering."""
-    columns = _friction_over_time(problem, float(f.predicted.plant["asymmetry"][0]))
+def wandering(problem: EquationErrorProblem, f: Fit, *, drifts: bool = False) -> Wander | None:
+    """How friction wanders, from the residual of a fit: the most likely share; None if there is no wandering.
+
+    With ``drifts``, friction only drifts over a recording, and turns round at most once.
+    """
+    columns = _friction_over_time(problem, float(f.predicted.plant["asymmetry"][0]), drifts)
     if columns is None:
         return None
     slopes = f.jacobian[: problem.size]
@@ -61,7 +64,9 @@ def _log_likelihood(share: float, spreads: np.ndarray, square: np.ndarray, rest:
     return -0.5 * independent * math.log(max(left, 1e-300)) - 0.5 * float(np.sum(np.log(inflation)))
 
 
-def _friction_over_time(problem: EquationErrorProblem, asymmetry: float) -> list[tuple[slice, np.ndarray]] | None:
+def _friction_over_time(
+    problem: EquationErrorProblem, asymmetry: float, drifts: bool
+) -> list[tuple[slice, np.ndarray]] | None:
     """Per recording: its rows, and columns (m, k), in units of noise, of friction that acts for a while each.
 
     Friction that differs by direction, by a share ``asymmetry`` of itself, wanders as a whole: part of it then drives
@@ -87,7 +92,8 @@ def _friction_over_time(problem: EquationErrorProblem, asymmetry: float) -> list
         if not len(o.rows) or o.of_points:
             continue
         lasts = float(o.motion[-1, TIME])
-        times = np.linspace(0.0, lasts, min(max(3, round(lasts / KNOT)), MOST_KNOTS))
+        knots_in_time = LEAST_KNOTS if drifts else min(max(LEAST_KNOTS, round(lasts / KNOT)), MOST_KNOTS)
+        times = np.linspace(0.0, lasts, knots_in_time)
         friction = (np.maximum(by_speed[k] @ levels, 0.0))[:, None] * (sense[k] + asymmetry)
         found.append((part, at_rows_of(o, friction * hat_columns(o.motion[:, TIME], times))))
     return found

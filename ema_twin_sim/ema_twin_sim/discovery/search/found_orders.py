@@ -206,8 +206,11 @@ def is_bend(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     There it is a curve over the angle, like any other. Only a whole turn shows that it repeats, and many cycles do.
     """
     instance = f.hypothesis.added[name]
-    if catalogue()[instance.effect].depends_on == "encoders" or "order" not in instance.options:
+    effect = catalogue()[instance.effect]
+    if effect.depends_on != "order" or Trait.BY_CURRENT in effect.traits:  # of many cycles a turn
         return False
+    if "order" not in instance.options:  # once per turn of the motor
+        return _turns(problem) < 1.0
     cycles = _turns(problem) * f.hypothesis.model().motor_order(name)
     return cycles < min(float(instance.options["order"]), MANY_CYCLES)
 

@@ -23,6 +23,7 @@ SWAPS = frozenset({BEATEN, SURER, SIMPLER})
 """Reasons for which an effect gave its place to another."""
 WANDERS_OVER_TIME = "friction that varies slowly over the recording explains as much"
 WANDERS = "friction that varies slowly explains as much"
+BY_CHANCE = "one recording alone does not tell it from chance"
 UNCERTAIN = "its numbers are too uncertain, or those of no machine"
 
 

@@ -195,6 +195,7 @@ def _doubtful(found: Search) -> list[str]:
         drawn = {n for n in drawn if not explains_the_torque(beside, n)}
     stands = own - set(only_constants(problem, found.fit))
     stands -= set(likenesses(problem, found.fit))
+    stands -= {name for name in stands if is_bend(problem, found.fit, name)}
     by_encoders = {name for name in added if over[name] == "encoders"} if lags else set()
     stands -= {name for name in by_encoders if not _explains(problem, found.fit, name)}
     stands -= {name for name in stands if is_play(found.fit, name) and only_teeth(problem, found.fit, name)}

@@ -9,17 +9,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from ...criteria import BESIDE_IMPACTS, DEPENDS, TOLERANCE
+from ...criteria import BESIDE_IMPACTS, DEPENDS
 from ...effects import catalogue
 from ...identification.fit import Fit, fit
 from ...identification.wander import Wander
 from ...identification.wandering import wandering
 from ...identification.weighting import FAR
 from ..criteria.explained import explained
-from ..criteria.worth import ENCODER_ONLY, penalised_gain
-from .adding import add_effects, prune, settle, without_effect
+from ..criteria.worth import penalised_gain
+from .adding import add_effects, prune, settle
 from .removing import less, significant
-from .search import depends_on_more, explains_torque_with, torque_cost, torque_left
+from .search import depends_on_more, explains_torque_with, torque_left
 from .trace import WANDERS, WANDERS_OVER_TIME, Search
 
 
@@ -32,7 +32,7 @@ def wandering_after_all(
     if wander is None:
         return None
     progress(f"friction seems to vary slowly by {wander.share:.1%}: judging the result with that as part of the noise")
-    beside = significant(found.further(*add_effects(_beside(found.fit, wander), without, progress)))
+    beside = significant(found.further(*add_effects(with_wander(found.fit, wander), without, progress)))
     allowed = torque_left(beside.fit) + plain.correlation * wander.complexity_penalty / plain.size
     if explained(beside.problem, beside.fit, start) and not depends_on_more(plain, beside.fit.hypothesis, allowed):
         return beside
@@ -50,42 +50,9 @@ def less_what_wandering_explains(found: Search, progress: Callable[[str], None])
     if wander is None:
         return found
     progress(f"friction seems to vary slowly by {wander.share:.1%}: checking which effects that explains as well")
-    beside = _beside(found.fit, wander)
+    beside = with_wander(found.fit, wander)
     after = prune(beside)
     return found if after is beside else significant(found.ended(after, WANDERS))
-
-
-def less_what_wanders_as_well(found: Search, progress: Callable[[str], None]) -> Search:
-    """The search of one recording, without effects that friction which wanders a little explains as well.
-
-    In one recording everything has happened once: what depends on the place, the speed or the temperature may as well
-    depend on the time. With several, an effect must explain each of them with the same numbers, which wandering never
-    does.
-    """
-    if len(found.problem.observations) > 1:
-        return found
-    while (instead := _wandering_instead(found)) is not None:
-        name, wander = instead
-        progress(f"friction seems to vary slowly by {wander.share:.1%}: that explains as much as {name}")
-        found = significant(found.ended(prune(_beside(less(found, [name], WANDERS).fit, wander)), WANDERS))
-    return found
-
-
-def _wandering_instead(found: Search) -> tuple[str, Wander] | None:
-    """The added effect that wandering friction replaces best, at hardly any more cost, and how it wanders then."""
-    f = found.fit
-    if f.problem.weighting.wander is not None:
-        return None
-    likely: list[tuple[float, str, Wander]] = []
-    for name, held in f.hypothesis.added.items():
-        if held.effect in ENCODER_ONLY:
-            continue
-        bare = fit(f.problem, without_effect(f.hypothesis, name))
-        wander = wandering(f.problem, bare)
-        if wander is not None and wander.share <= TOLERANCE:
-            likely.append((torque_cost(_beside(bare, wander)) + wander.complexity_penalty, name, wander))
-    least = min(likely, key=lambda one: one[0], default=None)
-    return None if least is None or least[0] > torque_cost(f) + DEPENDS else least[1:]
 
 
 def without_warming_that_wandering_explains(found: Search) -> Search:
@@ -98,7 +65,7 @@ def without_warming_that_wandering_explains(found: Search) -> Search:
     wander = _wander(found) if over_time else None
     if wander is None:
         return found
-    beside = _beside(found.fit, wander)
+    beside = with_wander(found.fit, wander)
     gains = {
         name: penalised_gain(fit(beside.problem, beside.hypothesis.without(name)), beside)
         for name in over_time
@@ -118,11 +85,11 @@ def _wander(found: Search) -> Wander | None:
 def beside_wandering(found: Search) -> Fit | None:
     """The end of a search with wandering friction as part of the noise; None unless that explains the torque."""
     wander = _wander(found)
-    beside = None if wander is None else _beside(found.fit, wander)
+    beside = None if wander is None else with_wander(found.fit, wander)
     return beside if wander and beside and explains_torque_with(wander, found.problem, beside) else None
 
 
-def _beside(f: Fit, wander: Wander) -> Fit:
+def with_wander(f: Fit, wander: Wander) -> Fit:
     """The same effects, fitted with wandering friction."""
     begun = f.problem.weighting.begun_anew(BESIDE_IMPACTS if f.parted else FAR)
     return settle(fit(f.problem.under(replace(begun, wander=wander)), f.hypothesis))

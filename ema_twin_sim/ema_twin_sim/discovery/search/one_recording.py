@@ -1,0 +1,75 @@
+"""One recording: it alone must tell an effect from chance, and from friction that wanders.
+
+With several, an effect explains each of them with the same numbers, which neither does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ...criteria import DEPENDS, TOLERANCE
+from ...effects import catalogue
+from ...identification.fit import fit
+from ...identification.wander import Wander
+from ...identification.wandering import wandering
+from ..criteria.worth import ENCODER_ONLY, NOTHING_ELSE, penalised_gain
+from .adding import less_each, prune, without_effect
+from .removing import less, significant
+from .search import torque_cost
+from .trace import BY_CHANCE, WANDERS, Search
+from .wandering_end import with_wander
+
+
+def less_what_one_recording_leaves_open(found: Search, progress: Callable[[str], None]) -> Search:
+    """The search of one recording, without effects that chance or wandering friction explains as well.
+
+    In one recording everything has happened once: what depends on the place, the speed or the temperature may as well
+    depend on the time. Unchanged with several recordings.
+    """
+    if len(found.problem.observations) > 1:
+        return found
+    while (instead := _wandering_instead(found)) is not None:
+        name, wander = instead
+        progress(f"friction seems to vary slowly by {wander.share:.1%}: that explains as much as {name}")
+        beside = with_wander(less(found, [name], WANDERS).fit, wander)
+        found = significant(found.ended(prune(beside), WANDERS))
+    while (name := _least_told(found)) is not None:
+        found = significant(less(found, [name], BY_CHANCE))
+    return found
+
+
+def _wandering_instead(found: Search) -> tuple[str, Wander] | None:
+    """The added effect that wandering friction replaces best, at hardly any more cost, and how it wanders then.
+
+    By no more than friction does on machines where it is known to: what takes more is no wandering.
+    """
+    f = found.fit
+    if f.problem.weighting.wander is not None:
+        return None
+    likely: list[tuple[float, str, Wander]] = []
+    for name, held in f.hypothesis.added.items():
+        if held.effect in ENCODER_ONLY:
+            continue
+        bare = fit(f.problem, without_effect(f.hypothesis, name))
+        for wander in (wandering(f.problem, bare), wandering(f.problem, bare, drifts=True)):
+            if wander is None or wander.share > TOLERANCE:
+                continue
+            likely.append((torque_cost(with_wander(bare, wander)) + wander.complexity_penalty, name, wander))
+    least = min(likely, key=lambda one: one[0], default=None)
+    return None if least is None or least[0] > torque_cost(f) + DEPENDS else least[1:]
+
+
+def _least_told(found: Search) -> str | None:
+    """The added effect that gains least, if no more than the residual of a right model gains from some dependence.
+
+    Constants that are off their file have gained more than the rows show. Beside impacts, no effect alone tells what it
+    gains.
+    """
+    f = found.fit
+    over = {name: catalogue()[held.effect].depends_on for name, held in f.hypothesis.added.items()}
+    names = [name for name in over if over[name] not in NOTHING_ELSE]
+    if f.parted or not names:
+        return None
+    gains = {n: penalised_gain(bare, f) for n, bare in zip(names, less_each(f, names), strict=True)}
+    least = min(gains, key=gains.__getitem__)
+    return least if gains[least] <= DEPENDS else None
