@@ -11,13 +11,13 @@ import numpy as np
 
 from ema_twin_sim.effects import catalogue
 
-from .cases import LOOK_ALIKE, NOT_SMALL, Case, drawn_case, in_company
+from .cases import LOOK_ALIKE, NOT_SMALL, Case, drawn_case, drawn_cases, in_company
 from .commands import Drive
 from .hide import CATALOGUE
 from .judge import Verdict
 from .machine import stock_machine
 from .other_bench import Cause
-from .other_machines import other_machine_case
+from .other_machines import other_machine_case, other_machine_cases
 from .sizes import drawn_causes, middling_cause, size_of
 from .unkind import COUNTERS_AND_CURRENT, Unkind
 
@@ -50,6 +50,29 @@ def null_cases(seed: int, count: int) -> list[Case]:
     """Cases with nothing hidden, constants off, on benches that go through UNKIND_NULLS."""
     nulls = itertools.islice(itertools.cycle(UNKIND_NULLS), count)
     return [drawn_case(f"{k:03d}_none", _words(u), (), (seed, 1000, k), unkind=u) for k, u in enumerate(nulls)]
+
+
+ALONE = (1.0, 0.5, 0.3)
+"""Shares of their usual length that recordings last which come alone."""
+
+
+def alone_cases(seed: int, count: int) -> list[Case]:
+    """Cases of one recording each, some of them short: half on other machines, a quarter with nothing hidden."""
+    quarter = count // 4
+    every = [
+        *other_machine_cases(seed, count - 2 * quarter),
+        *(null_cases(seed, quarter) if quarter else ()),
+        *(drawn_cases(seed, quarter) if quarter else ()),
+    ]
+    return [
+        replace(
+            case,
+            name=f"{k:03d}_{case.kind}",
+            seconds=case.seconds * ALONE[k % len(ALONE)],
+            train_drives=(case.train_drives[k % len(case.train_drives)],),
+        )
+        for k, case in enumerate(every)
+    ]
 
 
 def law_cases(seed: int, count: int) -> list[Case]:

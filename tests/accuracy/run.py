@@ -4,7 +4,7 @@ python -m tests.accuracy.run [--seed 1] [--cases 60] [--kinds plain pairs ...] [
 python -m tests.accuracy.run --known                        (what was once missed; ends with 1 if one is lost again)
 python -m tests.accuracy.run --null 40 | --laws 40 | --leave-out | --sweep [EFFECT ...] | --robust
 python -m tests.accuracy.run --limits [EFFECT ...] [--cases 10]              (benches an effect)
-python -m tests.accuracy.run --other-machines 60 | --calibration | --contradictions 200
+python -m tests.accuracy.run --other-machines 60 | --alone 60 | --calibration | --contradictions 200
 python -m tests.accuracy.run --strangers 40 | --textbook 28 | --mistakes 20  [--plain] [--keep DIR]   (by commands)
 python -m tests.accuracy.run --save DIR        (cases as folders, for other scorers; discovery is not run)
 """
@@ -94,6 +94,8 @@ def _asked_for(asked: argparse.Namespace, solve: Solvers) -> dict[str, Any]:
         cases = _only(asked, experiments.null_cases(asked.seed, asked.null))
     elif asked.other_machines:
         cases = _only(asked, other_machine_cases(asked.seed, asked.other_machines))
+    elif asked.alone:
+        cases = _only(asked, experiments.alone_cases(asked.seed, asked.alone))
     elif asked.laws:
         cases = _only(asked, experiments.law_cases(asked.seed, asked.laws))
     elif asked.robust:
@@ -120,6 +122,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--other-machines", type=_count, metavar="N", help="N benches of other sizes, none of them kind"
     )
+    parser.add_argument("--alone", type=_count, metavar="N", help="N cases of one recording each, some of them short")
     parser.add_argument("--laws", type=_count, metavar="N", help="N benches whose friction follows one of several laws")
     parser.add_argument("--leave-out", action="store_true", help="the hidden effect is taken out of the catalogue")
     parser.add_argument("--sweep", nargs="*", choices=experiments.SWEPT, metavar="EFFECT", help="detection limits")

@@ -2,19 +2,21 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.search.found_orders import is_bend, resolved, written_order
+from ema_twin_sim.discovery.search.found_orders import highest_order, is_bend, resolved, written_order
 from ema_twin_sim.identification.candidates import Candidate, candidates
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.model import load_model, save_model
+from ema_twin_sim.plant.measured_motion import MOTOR_ANGLE, SPEED
 from ema_twin_sim.words.sentences import order_sentences
 from tests.recorded import record
 
@@ -200,3 +202,23 @@ def test_a_torque_motor_of_many_poles_cogs_in_slow_motion(tmp_path):
     cogging = found.model.effects["cogging"]
     assert cogging.options["order"] == "264"
     assert cogging.parameters["torque"] == pytest.approx(0.15, rel=0.03)
+
+
+@pytest.mark.parametrize("scatter", [0.0, 1e-3])
+def test_points_that_scatter_about_a_degree_resolve_no_finer_wave(scatter):
+    """Sweeps in steps of one degree, up and down: what is between the steps was never measured."""
+    places = np.repeat(np.radians(np.arange(0.0, 200.0)), 8)
+    angle = places + scatter * np.random.default_rng(1).uniform(-1.0, 1.0, len(places))
+    o = SimpleNamespace(
+        of_points=True, rows=np.arange(len(angle)), motion=np.zeros((len(angle), max(MOTOR_ANGLE, SPEED) + 1))
+    )
+    o.motion[:, MOTOR_ANGLE] = angle
+    assert highest_order(o) == pytest.approx(180.0, rel=0.15)
+
+
+def test_over_half_a_turn_a_run_out_of_the_sun_gear_is_a_bend(stock):
+    h = null_hypothesis(stock).with_effect("sun_runout", {"kind": "conservative"}, {"torque": 0.02, "phase": 0.3})
+    for turns, bent in ((0.5, True), (3.0, False)):
+        runs = record(stock, (f"sine:{math.pi * turns / 124.0:g}:0.2",), seconds=10.0)
+        f = fit(EquationErrorProblem(observe_all(runs, stock)), h, 0)
+        assert [is_bend(f.problem, f, name) for name in f.hypothesis.added] == [bent]

@@ -104,3 +104,16 @@ def test_backlash_is_judged_by_what_was_there_when_it_came():
     runs = tuple((f"run {k}", (6.0, 7.5, 5.0)) for k in range(3))
     loop = replace(seen(6.0, 7.5, 5.0), signal="current", unit="A", recordings=runs)
     assert idle_effects(searched("cogging", "backlash", is_open=False), loop) == ((), False)
+
+
+@pytest.mark.parametrize(("output", "idle"), [((1.0, 0.95), ("encoder_delay",)), ((1.0, 0.2), ())])
+def test_an_encoders_error_shows_in_the_output(output, idle):
+    found = searched("encoder_delay", is_open=False)
+    found.fit.parted = False
+    assert idle_effects(found, replace(seen(1.2, 1.2), output=output)) == (idle, False)
+
+
+def test_beside_play_an_encoders_error_is_not_judged_by_it():
+    found = searched("encoder_delay", is_open=False)
+    found.fit.parted = True
+    assert idle_effects(found, replace(seen(1.2, 1.2), output=(1.0, 0.95))) == ((), False)

@@ -161,7 +161,11 @@ def _powers(residual: np.ndarray, angle: np.ndarray, most: int) -> Iterator[floa
 
 
 def highest_order(o: Observation) -> float:
-    """The order from which on an observation does not resolve a wave: two samples per cycle, no aliases."""
+    """The order from which on an observation does not resolve a wave: two samples per cycle, no aliases.
+
+    Operating points must lie as close as that over half of what they cover: readings that scatter about a few places
+    are close to each other, and tell nothing of what is between the places.
+    """
     if not o.of_points:
         step = float(np.quantile(np.abs(o.motion[o.rows, SPEED]), SLOW)) * o.period if len(o.rows) else 0.0
         return np.pi / step if step > 0.0 else np.inf
@@ -169,8 +173,11 @@ def highest_order(o: Observation) -> float:
     if len(angle) < 2 or np.ptp(angle) == 0.0:
         return 0.0
     turned = np.mod(angle, 2.0 * np.pi) if np.ptp(angle) > 2.0 * np.pi else angle
-    steps = np.diff(np.unique(np.round(turned / SAME))) * SAME
-    return float(np.pi / np.median(steps)) if len(steps) else 0.0
+    steps = np.sort(np.diff(np.unique(np.round(turned / SAME)))) * SAME
+    if not len(steps):
+        return 0.0
+    covered = np.cumsum(steps)
+    return float(np.pi / steps[np.searchsorted(covered, 0.5 * covered[-1])])
 
 
 def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], model: Model) -> list[Candidate]:
@@ -207,10 +214,10 @@ def is_bend(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     """
     instance = f.hypothesis.added[name]
     effect = catalogue()[instance.effect]
-    if effect.depends_on != "order" or Trait.BY_CURRENT in effect.traits:  # of many cycles a turn
+    if effect.depends_on == "encoders":
         return False
-    if "order" not in instance.options:  # once per turn of the motor
-        return _turns(problem) < 1.0
+    if "order" not in instance.options:  # once per turn of the motor, or many times where the current makes it
+        return effect.depends_on == "order" and Trait.BY_CURRENT not in effect.traits and _turns(problem) < 1.0
     cycles = _turns(problem) * f.hypothesis.model().motor_order(name)
     return cycles < min(float(instance.options["order"]), MANY_CYCLES)
 

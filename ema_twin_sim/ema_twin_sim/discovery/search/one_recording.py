@@ -33,8 +33,8 @@ def less_what_one_recording_leaves_open(found: Search, progress: Callable[[str],
         progress(f"friction seems to vary slowly by {wander.share:.1%}: that explains as much as {name}")
         beside = with_wander(less(found, [name], WANDERS).fit, wander)
         found = significant(found.ended(prune(beside), WANDERS))
-    while (name := _least_told(found)) is not None:
-        found = significant(less(found, [name], BY_CHANCE))
+    while (least := _least_told(found)) is not None:
+        found = significant(less(found, [least], BY_CHANCE))
     return found
 
 
