@@ -16,7 +16,7 @@ from ..criteria.worth import ENCODER_ONLY, NOTHING_ELSE, penalised_gain
 from .adding import less_each, prune, without_effect
 from .removing import less, significant
 from .search import torque_cost
-from .trace import BY_CHANCE, WANDERS, Search
+from .trace import BY_CHANCE, ONCE, Search
 from .wandering_end import with_wander
 
 
@@ -31,8 +31,8 @@ def less_what_one_recording_leaves_open(found: Search, progress: Callable[[str],
     while (instead := _wandering_instead(found)) is not None:
         name, wander = instead
         progress(f"friction seems to vary slowly by {wander.share:.1%}: that explains as much as {name}")
-        beside = with_wander(less(found, [name], WANDERS).fit, wander)
-        found = significant(found.ended(prune(beside), WANDERS))
+        beside = with_wander(less(found, [name], ONCE).fit, wander)
+        found = significant(found.ended(prune(beside), ONCE))
     while (least := _least_told(found)) is not None:
         found = significant(less(found, [least], BY_CHANCE))
     return found
