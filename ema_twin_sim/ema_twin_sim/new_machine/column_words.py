@@ -65,6 +65,8 @@ SUPPLY = r"supply|^(dc|bus|battery|batt)$|zwischenkreis|versorg"
 TRANSDUCER = r"^sensor|transducer|^cell$|loadcell|messwelle|dehn|strain|^tr[sd]$|^futek$|^kistler$|^hbm$"
 """Names of transducers, with those of usual series (TRS605, TRD605) and makers, that measure the torque behind a
 machine whose current or own torque is measured too."""
+TOOL = r"^(tcp|tool|flange|cartesian|cart|eef|wrench)$"
+"""Names of what a robot holds at its end: its pose and the force on it are of all joints together."""
 FILTERED = r"^filt|smooth|geglaett"
 """A smoothed copy of a signal: taken only if the signal itself is missing."""
 UNPROCESSED = r"^(raw|values?|states?|signals?|data|dot)$"
