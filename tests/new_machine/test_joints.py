@@ -168,3 +168,9 @@ def test_a_torque_flange_behind_a_single_shaft_stays_its_load():
     shaft = {"motor 1 position [rad]": np.sin(TIME), "motor 1 current [A]": np.cos(TIME)}
     numbers = {"time [s]": TIME, **shaft, "flange load torque [N m]": np.cos(TIME) ** 2}
     assert taken(numbers)["load_torque"] == "flange load torque [N m]"
+
+
+@pytest.mark.parametrize("name", ["actual_momentum", "Momentum [kg m/s]"])
+def test_a_momentum_is_no_torque(name):
+    numbers = {"time [s]": TIME, "position [rad]": np.sin(TIME), name: np.cos(TIME)}
+    assert "motor_torque" not in taken(numbers)
