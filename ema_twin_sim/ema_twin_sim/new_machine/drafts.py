@@ -40,6 +40,7 @@ from .shaft import Shaft, is_geared, is_possible, position_shaft, ratio_of_posit
 from .sign_words import how_it_is_turned, how_to_turn
 from .signal_columns import is_quadrature
 from .torque_beside_current import not_proportional
+from .two_joints import two_joints
 from .unit_questions import questions_about_units
 from .unnamed_positions import HOW_TO_NAME, unnamed_beside_speed, unnamed_pair
 from .unsigned_drive import unsigned_signals
@@ -107,7 +108,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         "load_torque": not_load,
         "current": _not_the_motors(recordings, guesses, given),
         "motor_position": not_summed(recordings) or _standing(recordings) or unlike_speed(recordings),
-        "output_position": _of_no_gear(recordings, guesses),
+        "output_position": _of_no_gear(recordings, guesses) or two_joints(recordings, guesses),
     }
     left_out = {guess.column: why for guess in guesses.signals if (why := of_signal.get(guess.signal, ""))}
     if left_out:
