@@ -58,6 +58,8 @@ NO_SIGNAL = (
     r"error|fehler|deviat|abweich|limit|grenz|ripple|accel|^acc[xyz]?$|beschleun|vibration|status|^(mode|flags?|ddot|max|min|dc|udc|idc)$"
     r"|zwischenkreis|^bus$|supply|^(id|isd)$|offset"
 )
+DUTY = r"^pwm|^duty|^tastgrad|^tastverh"
+"""A share of the supply's voltage that a drive gives to its motor."""
 FEEDFORWARD = r"^ff$|^feedforward$|^vorsteuer"
 """A share of a command, which the drive adds to its controller's: neither a measurement nor what the drive follows."""
 SUPPLY = r"supply|^(dc|bus|battery|batt)$|zwischenkreis|versorg"
