@@ -200,9 +200,9 @@ def _how_to_drive(map_file: Path, guesses: Guesses) -> str:
     if not (found := voltages(guesses)):
         return f"add its column to {map_file}; nothing can be analysed without it."
     return (
-        f"add its column to {map_file}. If {_shortened(found)} commands the drive's torque, it can serve: write it into "
-        "the line motor_torque that is prepared there, with its `gain` (a duty cycle also needs the supply's voltage as "
-        "`factor`); nothing can be analysed without either."
+        f"add its column to {map_file}. If {_shortened(found)} commands the drive's torque, it can serve: write it "
+        "into the line motor_torque that is prepared there, with its `gain` (a duty cycle also needs the supply's "
+        "voltage as `factor`); nothing can be analysed without either."
     )
 
 

@@ -101,7 +101,7 @@ def one_joint(
 
 
 def _without_tool(columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray]) -> Sequence[JointColumn]:
-    """The columns without those of a robot's tool, if several joints are beside it; of one joint, without numbered ones.
+    """The columns without those of a robot's tool beside several joints; beside one, without those with a number.
 
     What a tool does is no joint's; at the end of a single shaft a torque of a flange may be the load's.
     """

@@ -44,9 +44,9 @@ def two_joints(recordings: Sequence[Recording], guesses: Guesses) -> str:
     else:
         return ""
     return (
-        f"not used as the output's position: {motor.column} and {output.column} look like two joints and not like motor "
-        f"and output of one drive, since {why} (if they are of one drive, say so in their names, as in 'motor position' "
-        "and 'output position'; else remove the other joint's columns; and run init again)"
+        f"not used as the output's position: {motor.column} and {output.column} look like two joints and not like "
+        f"motor and output of one drive, since {why} (if they are of one drive, say so in their names, as in 'motor "
+        "position' and 'output position'; else remove the other joint's columns; and run init again)"
     )
 
 
