@@ -28,6 +28,7 @@ from ..measured.way_by_speed import standing_position
 from ..model import Model, load_model
 from ..model.constants import CONSTANTS
 from ..quantities import quantity
+from .bare_letters import contradicted_letter
 from .columns import Guess, Guesses
 from .given import Given
 from .load_by_numbers import doubted_motors_torque, load_by_numbers
@@ -110,6 +111,8 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         "motor_position": not_summed(recordings) or _standing(recordings) or unlike_speed(recordings),
         "output_position": _of_no_gear(recordings, guesses) or two_joints(recordings, guesses),
     }
+    letter, contradicted = contradicted_letter(recordings, guesses)
+    of_signal |= {letter: contradicted} if letter and not of_signal.get("motor_position") else {}
     left_out = {guess.column: why for guess in guesses.signals if (why := of_signal.get(guess.signal, ""))}
     if left_out:
         if of_signal["current"]:
