@@ -292,6 +292,8 @@ def test_a_command_file_reads_back(tmp_path, text):
 
 def test_commands_in_words():
     assert in_words("triangle:0.04:2") == "position of the output: a triangle of ±0.04 rad/s that turns every 2 s"
+    assert in_words("triangle:-0.15:4") == "position of the output: a triangle of ±0.15 rad/s that turns every 4 s"
+    assert in_words("ramp:-0.15") == "position of the output: a ramp of -0.15 rad/s"
     assert in_words("speed-ramp:0.01") == "speed of the output: a ramp of 0.01 rad/s²"
 
 

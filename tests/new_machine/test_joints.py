@@ -127,3 +127,50 @@ def test_joints_that_move_in_step_but_have_motors_of_their_own_are_no_train(name
         numbers |= dict(zip((name.format(joint) for name in names), motions, strict=True))
     found = taken(numbers)
     assert found["motor_position"] == f"q{joints}" and "output_position" not in found
+
+
+def robot_with_a_tool(joints=3):
+    """What a robot's interface logs: joints numbered from 0, then pose, speed and force of the tool in six numbers.
+
+    The tool's orientation jumps by whole turns, so that it goes farthest.
+    """
+    numbers = {"timestamp": TIME}
+    for joint in range(joints):
+        beat = 1.1 + 0.4 * joint
+        motions = (np.sin(beat * TIME), beat * np.cos(beat * TIME), np.cos(beat * TIME))
+        names = ("actual_q_{}", "actual_qd_{}", "actual_current_{}")
+        numbers |= dict(zip((name.format(joint) for name in names), motions, strict=True))
+    for part in range(6):
+        way = np.sign(np.sin(5.0 * TIME + part)) * np.pi
+        motions = (way, np.cos(3.0 * TIME + part), np.sin(7.0 * TIME + part))
+        names = ("actual_TCP_pose_{}", "actual_TCP_speed_{}", "actual_TCP_force_{}")
+        numbers |= dict(zip((name.format(part) for name in names), motions, strict=True))
+    return numbers
+
+
+@pytest.mark.parametrize("joints", [1, 2, 3])
+def test_the_tool_of_a_robot_is_no_joint(joints):
+    found = taken(robot_with_a_tool(joints))
+    number = found["motor_position"][-1]
+    assert found == {
+        "motor_position": f"actual_q_{number}",
+        "speed": f"actual_qd_{number}",
+        "current": f"actual_current_{number}",
+    }
+
+
+def test_what_belongs_to_the_robot_stands_back_behind_a_joints_own():
+    numbers = {"timestamp": TIME, "robot_current": np.cos(9.0 * TIME), **robot_with_a_tool()}
+    assert taken(numbers)["current"].startswith("actual_current_")
+
+
+def test_a_torque_flange_behind_a_single_shaft_stays_its_load():
+    shaft = {"motor 1 position [rad]": np.sin(TIME), "motor 1 current [A]": np.cos(TIME)}
+    numbers = {"time [s]": TIME, **shaft, "flange load torque [N m]": np.cos(TIME) ** 2}
+    assert taken(numbers)["load_torque"] == "flange load torque [N m]"
+
+
+@pytest.mark.parametrize("name", ["actual_momentum", "Momentum [kg m/s]"])
+def test_a_momentum_is_no_torque(name):
+    numbers = {"time [s]": TIME, "position [rad]": np.sin(TIME), name: np.cos(TIME)}
+    assert "motor_torque" not in taken(numbers)

@@ -18,6 +18,7 @@ from ema_bench_replay.long_columns import Column, less_rows
 from ema_bench_replay.traces.blank_columns import rows_with_tabs, with_tabs
 from ema_bench_replay.traces.header_lines import NoHeader, header_lines
 from ema_bench_replay.traces.incomplete_ends import MOST, Cells, incomplete_rows, left_out_words
+from ema_bench_replay.traces.keyed_trace import refuse_keyed_trace
 from ema_bench_replay.traces.missing_numbers import holds_nothing
 from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
 from ema_bench_replay.traces.row_ends import rows_without_ends, without_row_ends
@@ -105,6 +106,7 @@ def read_table(
             file.seek(0)
             blocks = text_blocks(file)
             first, is_last = next(blocks)
+            refuse_keyed_trace(path, first)
             unended = first if delimiter == ";" else without_row_ends(first)
             if unended is not first:
                 first, blocks = unended, ((rows_without_ends(block), last) for block, last in blocks)

@@ -178,6 +178,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     from ema_bench_replay.traces.trace_table import read_table
 
     from ..new_machine.columns import guess_columns
+    from ..new_machine.lengths import how_to_use_length
     from ..new_machine.rows import with_kind_of_rows
     from ..new_machine.sign_bits import how_to_decode
     from ..new_machine.turns import counted_on_turns
@@ -214,7 +215,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
         unit, other = header_words(name).unit, "linear" if guesses.motion == "rotary" else "rotary"
         say(
             f"{name}: {unit} is a unit of a {other} machine, and by the other columns this one is {guesses.motion}, so "
-            "it is not used; if the unit is wrong, correct the header and run init again"
+            f"it is not used ({how_to_use_length(name)}if the unit is wrong, correct the header and run init again)"
         )
     for name in guesses.row_counters:
         say(f"{name}: not used, since it rises by the same step in every row, as the number of a row does")

@@ -190,7 +190,20 @@ def say_next(
         say(f"  {unsigned} has no sign, so no twin can be driven: only the health can be judged (docs/health.md):")
         say(f"  ema-twin campaign FOLDER --do health --map {quote(str(files[0]))} -o results")
     else:
-        say(f"  No current or torque was found: add its column to {files[0]}; nothing can be analysed without it.")
+        say(f"  No current or torque was found: {_how_to_drive(files[0], guesses)}")
+
+
+def _how_to_drive(map_file: Path, guesses: Guesses) -> str:
+    """What to do without a current or torque: a voltage, or its duty cycle, may stand for the motor's torque."""
+    from ..new_machine.voltages import voltages
+
+    if not (found := voltages(guesses)):
+        return f"add its column to {map_file}; nothing can be analysed without it."
+    return (
+        f"add its column to {map_file}. If {_shortened(found)} commands the drive's torque, it can serve: write it "
+        "into the line motor_torque that is prepared there, with its `gain` (a duty cycle also needs the supply's "
+        "voltage as `factor`); nothing can be analysed without either."
+    )
 
 
 def say_search(traces: str, map_file: Path, model: Path) -> None:

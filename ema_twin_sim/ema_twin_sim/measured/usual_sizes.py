@@ -7,7 +7,7 @@ would all be a thousand times as large. So unusual values lead to a question; th
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
@@ -27,12 +27,15 @@ WINDING: dict[str, float] = {"usual": 4.0, "mistaken": 1000.0}
 and the factor of a wrong unit."""
 
 
-def unusual_sizes(recording: Recording) -> Iterator[str]:
-    """Questions about the units of a rotary machine's recording, from its largest current and speed."""
+def unusual_sizes(recording: Recording, besides: Collection[str] = ()) -> Iterator[str]:
+    """Questions about the units of a rotary machine's recording, from its largest current and speed.
+
+    Signals in ``besides`` are not asked about: their units are known to be others.
+    """
     if recording.motion != "rotary":
         return
     for signal, (least, most, unit, other) in USUAL.items():
-        if not recording.has(signal):
+        if not recording.has(signal) or signal in besides:
             continue
         largest = _largest(recording, signal)
         if largest > most:

@@ -8,7 +8,7 @@ from __future__ import annotations
 STEMS: dict[str, str] = {
     "time": r"time|zeit|^temps$|^tempo$|^tiempo",
     "temperature": r"^temp",
-    "torque": r"torque|moment|force|kraft|^(set|ref|cmd|act|meas)?trq|^tau$|effort|^couple|^coppia|^par$|^forza$"
+    "torque": r"torque|moment(?!um)|force|kraft|^(set|ref|cmd|act|meas)?trq|^tau$|effort|^couple|^coppia|^par$|^forza$"
     r"|^fuerza$",
     "current": r"current|strom|^amps?$|^(set|ref|cmd|act|meas)?cur$|^courant|^corr?iente|^corrente",
     "voltage": r"volt|spannung",
@@ -58,6 +58,8 @@ NO_SIGNAL = (
     r"error|fehler|deviat|abweich|limit|grenz|ripple|accel|^acc[xyz]?$|beschleun|vibration|status|^(mode|flags?|ddot|max|min|dc|udc|idc)$"
     r"|zwischenkreis|^bus$|supply|^(id|isd)$|offset"
 )
+DUTY = r"^pwm|^duty|^tastgrad|^tastverh"
+"""A share of the supply's voltage that a drive gives to its motor."""
 FEEDFORWARD = r"^ff$|^feedforward$|^vorsteuer"
 """A share of a command, which the drive adds to its controller's: neither a measurement nor what the drive follows."""
 SUPPLY = r"supply|^(dc|bus|battery|batt)$|zwischenkreis|versorg"
@@ -65,6 +67,8 @@ SUPPLY = r"supply|^(dc|bus|battery|batt)$|zwischenkreis|versorg"
 TRANSDUCER = r"^sensor|transducer|^cell$|loadcell|messwelle|dehn|strain|^tr[sd]$|^futek$|^kistler$|^hbm$"
 """Names of transducers, with those of usual series (TRS605, TRD605) and makers, that measure the torque behind a
 machine whose current or own torque is measured too."""
+TOOL = r"^(tcp|tool|flange|cartesian|cart|eef|wrench)$"
+"""Names of what a robot holds at its end: its pose and the force on it are of all joints together."""
 FILTERED = r"^filt|smooth|geglaett"
 """A smoothed copy of a signal: taken only if the signal itself is missing."""
 UNPROCESSED = r"^(raw|values?|states?|signals?|data|dot)$"

@@ -28,6 +28,7 @@ from ..measured.way_by_speed import standing_position
 from ..model import Model, load_model
 from ..model.constants import CONSTANTS
 from ..quantities import quantity
+from .bare_letters import contradicted_letter
 from .columns import Guess, Guesses
 from .given import Given
 from .load_by_numbers import doubted_motors_torque, load_by_numbers
@@ -40,6 +41,7 @@ from .shaft import Shaft, is_geared, is_possible, position_shaft, ratio_of_posit
 from .sign_words import how_it_is_turned, how_to_turn
 from .signal_columns import is_quadrature
 from .torque_beside_current import not_proportional
+from .two_joints import two_joints
 from .unit_questions import questions_about_units
 from .unnamed_positions import HOW_TO_NAME, unnamed_beside_speed, unnamed_pair
 from .unsigned_drive import unsigned_signals
@@ -107,8 +109,10 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         "load_torque": not_load,
         "current": _not_the_motors(recordings, guesses, given),
         "motor_position": not_summed(recordings) or _standing(recordings) or unlike_speed(recordings),
-        "output_position": _of_no_gear(recordings, guesses),
+        "output_position": _of_no_gear(recordings, guesses) or two_joints(recordings, guesses),
     }
+    letter, contradicted = contradicted_letter(recordings, guesses)
+    of_signal |= {letter: contradicted} if letter and not of_signal.get("motor_position") else {}
     left_out = {guess.column: why for guess in guesses.signals if (why := of_signal.get(guess.signal, ""))}
     if left_out:
         if of_signal["current"]:
@@ -162,7 +166,8 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         columns = ", ".join(g.column for g in guesses.signals if g.turned_round and g.signal in _OUTPUTS)
         shown.append(f"{columns} turned round (`factor: -1` in the map), since the output turns against the motor")
     units = {guess.signal: guess.unit for guess in guesses.signals}
-    questions = tuple(question for recording in recordings for question in questions_about_units(recording, units))
+    foreign = {guess.signal for guess in guesses.signals if guess.unit is None and header_words(guess.column).foreign}
+    questions = tuple(told for recording in recordings for told in questions_about_units(recording, units, foreign))
     known = None not in (units.get("motor_position"), units.get("speed"))
     if any(guess.signal == "speed" and guess.of_output for guess in guesses.signals):
         known = False  # a speed of the output does not show whose turns the position counts

@@ -17,6 +17,8 @@ from ema_bench_replay.traces.header_words import HeaderWords
 from ema_bench_replay.units import MOTIONS, units_of
 
 from ..criteria import NEGLIGIBLE, SMALL
+from .column_quantity import has_word
+from .column_words import TOOL
 from .part_names import part_in_the_name, part_of
 
 _DRIVES = frozenset({"current", "torque"})
@@ -70,6 +72,7 @@ def one_joint(
 
     ``numbers`` are the columns' values, (n,) each; ``wanted`` is the joint taken in another trace of the same machine.
     """
+    columns = _without_tool(columns, numbers)
     names = [column.read for column in columns]
     parts = {read.name: _number_of(read) for read in names}
     joints = _joints(columns, numbers, parts)
@@ -87,13 +90,25 @@ def one_joint(
     chosen = wanted if wanted in known else max(known, key=lambda name: (name in driven, ways[name]))
     undriven = tuple(name for name in known if name not in driven and chosen in driven and ways[name] > ways[chosen])
     own, others = known[chosen], [part for name, part in known.items() if name != chosen]
+    own_first = sorted(columns, key=lambda column: parts[column.read.name] != own)
     kept = [
         replace(column.read, words=tuple(word for word in column.read.words if word not in own))
-        for column in columns
+        for column in own_first
         if not _is_of_others(parts[column.read.name], own, others)
         and (by_number or not _is_elsewhere(column, parts[column.read.name], own))
     ]
     return Joint(chosen, tuple(name for name in known if name != chosen), undriven), kept
+
+
+def _without_tool(columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray]) -> Sequence[JointColumn]:
+    """The columns without those of a robot's tool beside several joints; beside one, without those with a number.
+
+    What a tool does is no joint's; at the end of a single shaft a torque of a flange may be the load's.
+    """
+    rest = [column for column in columns if not has_word(column.read.words, TOOL)]
+    joints = _joints(rest, numbers, {column.read.name: _number_of(column.read) for column in rest})
+    joints = joints if len(joints) > 1 else _joints(rest, numbers, _parts_by_words(rest)) or joints
+    return [c for c in columns if c in rest or not (len(joints) > 1 or (joints and _number_of(c.read)))]
 
 
 def _joints(

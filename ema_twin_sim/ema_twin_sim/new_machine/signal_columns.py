@@ -107,7 +107,7 @@ def choose_signals(
     def of(quantity: str, *, setpoint: bool = False) -> list[Column]:
         found = [c for c in columns if c.quantity == quantity and c.setpoint == setpoint and c not in taken.values()]
         found.sort(
-            key=lambda c: (has_word(c.read.words, FILTERED), c.shaft == "output", _is_a_letter(c.read), not c.actual)
+            key=lambda c: (has_word(c.read.words, FILTERED), c.shaft == "output", is_a_letter(c.read), not c.actual)
         )
         return sorted(found, key=lambda c: _is_idle(c, numbers))
 
@@ -160,7 +160,7 @@ def choose_signals(
     return taken, tuple(c.name for c in elsewhere if c not in taken.values())
 
 
-def _is_a_letter(read: HeaderWords) -> bool:
+def is_a_letter(read: HeaderWords) -> bool:
     """Whether a name is one letter without a unit, which may number something: one in full goes before it."""
     return read.unit is None and [len(word) for word in read.words if not word.isdigit()] == [1]
 

@@ -6,7 +6,7 @@ They are printed as warnings; nothing is decided by them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 import numpy as np
 
@@ -19,9 +19,14 @@ from .steps import is_decimal, smallest_step
 from .usual_counts import usual_counts
 
 
-def questions_about_units(recording: Recording, units: Mapping[str, str | None]) -> Iterator[str]:
-    """Questions about a recording's units, in words; ``units`` are those of its columns (None: not known)."""
-    yield from unusual_sizes(recording)
+def questions_about_units(
+    recording: Recording, units: Mapping[str, str | None], foreign: Collection[str] = ()
+) -> Iterator[str]:
+    """Questions about a recording's units, in words; ``units`` are those of its columns (None: not known).
+
+    ``foreign`` are the signals whose headers tell a unit that is none of theirs: their sizes ask nothing further.
+    """
+    yield from unusual_sizes(recording, foreign)
     if recording.motion != "rotary" or recording.of_points:
         return
     yield from _by_whole_numbers(recording, units)

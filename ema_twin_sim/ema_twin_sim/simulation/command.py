@@ -145,9 +145,10 @@ def in_words(text: str, motion: str = "rotary") -> str:
     """``KIND:A[:B]`` in words: ``position: a triangle of ±0.04 rad/s that turns every 2 s``; m/s if linear."""
     kind, *numbers = parse_command(text).text.split(":")
     speed = kind.startswith("speed-")
-    words = _WORDS[kind.removeprefix("speed-")].format(
-        *map(float, numbers), unit=unit_in("rad/s" if speed else "rad", motion)
-    )
+    shape, values = kind.removeprefix("speed-"), [*map(float, numbers)]
+    if "±" in _WORDS[shape]:  # a negative size only begins the other way
+        values[0] = abs(values[0])
+    words = _WORDS[shape].format(*values, unit=unit_in("rad/s" if speed else "rad", motion))
     return f"{'speed' if speed else 'position'} of the output: {words.replace('/s/s', '/s²')}"
 
 
