@@ -37,7 +37,7 @@ from .errors_beside_curves import errors_beside_curves
 from .experiment.doubts import moves_one_way
 from .experiment.suggestion import suggest
 from .followed import with_followed_numbers
-from .idle_effects import idle_effects, shows_over
+from .idle_effects import idle_effects, idle_encoder_errors, shows_over
 from .left_over import left_over_words
 from .reading import read_with_one_zero
 from .search.adding import settle
@@ -171,7 +171,9 @@ def discover(
     unseen = judge(found)
     kept: set[frozenset[str]] = set()
     judged = found
-    idle, gearbox = idle_effects(found, unseen, kept) if known or model.is_open else ((), False)
+    idle, gearbox = (
+        idle_effects(found, unseen, kept) if known or model.is_open else (idle_encoder_errors(found, unseen), False)
+    )
     while idle:
         before = {*found.fit.hypothesis.added}
         shown_over = tuple(dict.fromkeys(shows_over(found, name) for name in idle))

@@ -36,8 +36,7 @@ def idle_effects(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]
         bending = tuple(name for name in came if added[name].effect == BRISTLE)
         first = _before_both(found, k)
         ended = k + 1 if first == k else len(unseen.moving) - 1
-        misread = tuple(name for name in came if added[name].effect in ENCODER_ONLY)
-        if misread and not real and not found.fit.parted and unseen.output and unseen.output_removed(k, k + 1) < PART:
+        if misread := _misread(found, unseen, k):
             return misread, False
         of_torque = real and bool(came) and any(shows_over(found, name) != "encoders" for name in came)
         if unseen.moving[k] <= NOISY * unseen.noise_floor:
@@ -57,6 +56,21 @@ def idle_effects(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]
         if bending and there is not None and there <= 0.0:
             return bending, False
     return (_since_the_best(found, unseen, kept) if real else ()), False
+
+
+def idle_encoder_errors(found: Search, unseen: Unseen) -> tuple[str, ...]:
+    """Of these effects, the errors of an encoder alone: what is unknown beside them is no reason to keep them."""
+    return next((names for k in range(len(found.taken)) if (names := _misread(found, unseen, k))), ())
+
+
+def _misread(found: Search, unseen: Unseen, k: int) -> tuple[str, ...]:
+    """Errors of an encoder that came with round ``k`` and removed little of the output's error."""
+    turn, f = found.taken[k], found.fit
+    if f.hypothesis.base.is_open or f.parted or not unseen.output:
+        return ()
+    came = [n for n in new_names(turn.before, turn.after) if n in f.hypothesis.added]
+    misread = tuple(n for n in came if f.hypothesis.added[n].effect in ENCODER_ONLY)
+    return misread if misread and unseen.output_removed(k, k + 1) < PART else ()
 
 
 def _since_the_best(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]) -> tuple[str, ...]:

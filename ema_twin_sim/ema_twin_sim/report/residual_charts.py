@@ -138,7 +138,7 @@ class _Signal:
             told = {
                 said: np.nanquantile(residual[chosen], (0.25, 0.5, 0.75)) / self.scale
                 for said, chosen in groups.items()
-                if chosen.sum() >= _FEWEST
+                if np.isfinite(residual[chosen]).sum() >= _FEWEST
             }
             lower, median, upper = np.array(list(told.values())).reshape(-1, 3).T
             quarters = {"array": upper - median, "arrayminus": median - lower}
