@@ -47,3 +47,10 @@ def test_the_shafts_of_one_drive_stay_motor_and_output_though_they_play(names, d
 def test_a_ratio_that_names_vouch_for_is_not_doubted(drafted):
     draft = drafted(arm(("motor angle [rad]", "output angle [rad]"), lead=0.3))
     assert "two joints" not in draft.said
+
+
+def test_a_recording_at_rest_tells_no_ratio(drafted):
+    """Beside a motion whose ratio holds, the noise of a second recording at rest is that of no joint."""
+    noise = 1e-4 * np.random.default_rng(2).standard_normal((2, len(TIME)))
+    rest = {"time [s]": TIME, **dict(zip(NAMES[1], noise, strict=True))}
+    assert "two joints" not in drafted(arm(NAMES[1]), rest).said

@@ -201,8 +201,8 @@ def _how_to_drive(map_file: Path, guesses: Guesses) -> str:
         return f"add its column to {map_file}; nothing can be analysed without it."
     return (
         f"add its column to {map_file}. If {_shortened(found)} commands the drive's torque, it can serve: write it "
-        "into the line motor_torque that is prepared there, with its `gain` (a duty cycle also needs the supply's "
-        "voltage as `factor`); nothing can be analysed without either."
+        "into the line motor_torque that is prepared there, with its `gain` (a duty cycle also needs a `factor`: the "
+        "supply's voltage over the value of full duty, as in 24 V over 100 %); nothing can be analysed without either."
     )
 
 

@@ -66,11 +66,13 @@ def idle_encoder_errors(found: Search, unseen: Unseen) -> tuple[str, ...]:
 def _misread(found: Search, unseen: Unseen, k: int) -> tuple[str, ...]:
     """Errors of an encoder that came with round ``k`` and removed little of the output's error."""
     turn, f = found.taken[k], found.fit
-    if f.hypothesis.base.is_open or f.parted or not unseen.output:
+    added = f.hypothesis.added
+    misread = tuple(n for n in new_names(turn.before, turn.after) if n in added and added[n].effect in ENCODER_ONLY)
+    if not misread or f.hypothesis.base.is_open or f.parted or not unseen.output:
         return ()
-    came = [n for n in new_names(turn.before, turn.after) if n in f.hypothesis.added]
-    misread = tuple(n for n in came if f.hypothesis.added[n].effect in ENCODER_ONLY)
-    return misread if misread and unseen.output_removed(k, k + 1) < PART else ()
+    first = _before_both(found, k)
+    removed = unseen.output_removed(first, k + 1 if first == k else len(unseen.moving) - 1)
+    return misread if removed < PART else ()
 
 
 def _since_the_best(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]) -> tuple[str, ...]:

@@ -30,11 +30,11 @@ def two_joints(recordings: Sequence[Recording], guesses: Guesses) -> str:
     motor, output = (found.get(name) for name in _BOTH)
     if motor is None or output is None or _tells_a_side(motor) or _tells_a_side(output):
         return ""
-    moved = [recording for recording in recordings if recording.has(*_BOTH) and not recording.of_points]
+    moved = _moved([recording for recording in recordings if recording.has(*_BOTH) and not recording.of_points])
     ratios = [ratio for recording in moved for ratio in _ratios(recording)]
     if not ratios:
         return ""
-    apart = max(map(_apart, moved))
+    apart = max(_apart(recording) for recording in moved)
     lowest, highest = min(ratios), max(ratios)
     middle = float(np.median(ratios))
     if max(highest - middle, middle - lowest) > SMALL * abs(middle):
@@ -48,6 +48,18 @@ def two_joints(recordings: Sequence[Recording], guesses: Guesses) -> str:
         f"motor and output of one drive, since {why} (if they are of one drive, say so in their names, as in 'motor "
         "position' and 'output position'; else remove the other joint's columns; and run init again)"
     )
+
+
+def _moved(recordings: Sequence[Recording]) -> list[Recording]:
+    """The recordings in which a position goes a considerable part of its longest way; at rest both tell noise."""
+    ways = np.array([[_way(recording.signals[name]) for name in _BOTH] for recording in recordings]).reshape(-1, 2)
+    far = (ways > PART * ways.max(axis=0, initial=0.0)).any(axis=1)
+    return [recording for recording, enough in zip(recordings, far, strict=True) if enough]
+
+
+def _way(position: np.ndarray) -> float:
+    known = position[np.isfinite(position)]
+    return float(np.ptp(known)) if len(known) else 0.0
 
 
 def _tells_a_side(guess: Guess) -> bool:

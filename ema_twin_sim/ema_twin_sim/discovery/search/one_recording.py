@@ -9,10 +9,11 @@ from collections.abc import Callable
 
 from ...criteria import DEPENDS, TOLERANCE
 from ...effects import catalogue
-from ...identification.fit import fit
+from ...identification.fit import Fit, fit
+from ...identification.hypothesis import Hypothesis
 from ...identification.wander import Wander
 from ...identification.wandering import wandering
-from ..criteria.worth import ENCODER_ONLY, NOTHING_ELSE, penalised_gain
+from ..criteria.worth import ENCODER_ONLY, NOTHING_ELSE, penalised_gain, standing_on
 from .adding import less_each, prune, without_effect
 from .removing import less, significant
 from .search import torque_cost
@@ -26,7 +27,8 @@ def less_what_one_recording_leaves_open(found: Search, progress: Callable[[str],
     In one recording everything has happened once: what depends on the place, the speed or the temperature may as well
     depend on the time. Unchanged with several recordings.
     """
-    if len(found.problem.observations) > 1:
+    told = [o for o in found.problem.observations if len(o.rows)]
+    if len(told) != 1 or told[0].of_points:  # operating points have no time, and no second recording
         return found
     while (instead := _wandering_instead(found)) is not None:
         name, wander = instead
@@ -41,22 +43,31 @@ def less_what_one_recording_leaves_open(found: Search, progress: Callable[[str],
 def _wandering_instead(found: Search) -> tuple[str, Wander] | None:
     """The added effect that wandering friction replaces best, at hardly any more cost, and how it wanders then.
 
-    By no more than friction does on machines where it is known to: what takes more is no wandering.
+    By no more than friction does on machines where it is known to: what takes more is no wandering. Beside it, the
+    effect must gain no more than chance does: friction may wander and the effect be there.
     """
     f = found.fit
-    if f.problem.weighting.wander is not None:
+    if f.problem.weighting.wander is not None or f.parted:
         return None
     likely: list[tuple[float, str, Wander]] = []
     for name, held in f.hypothesis.added.items():
-        if held.effect in ENCODER_ONLY:
+        if held.effect in ENCODER_ONLY or standing_on(f.hypothesis, name):
             continue
         bare = fit(f.problem, without_effect(f.hypothesis, name))
         for wander in (wandering(f.problem, bare), wandering(f.problem, bare, drifts=True)):
             if wander is None or wander.share > TOLERANCE:
                 continue
-            likely.append((torque_cost(with_wander(bare, wander)) + wander.complexity_penalty, name, wander))
+            beside = with_wander(bare, wander)
+            cost = torque_cost(beside) + wander.complexity_penalty
+            if cost <= torque_cost(f) + DEPENDS and _hardly_gains(f.hypothesis, beside):
+                likely.append((cost, name, wander))
     least = min(likely, key=lambda one: one[0], default=None)
-    return None if least is None or least[0] > torque_cost(f) + DEPENDS else least[1:]
+    return None if least is None else least[1:]
+
+
+def _hardly_gains(h: Hypothesis, beside: Fit) -> bool:
+    """Whether a hypothesis with one more effect gains no more than chance does, beside friction that wanders."""
+    return penalised_gain(beside, fit(beside.problem, h)) <= DEPENDS
 
 
 def _least_told(found: Search) -> str | None:
@@ -67,7 +78,7 @@ def _least_told(found: Search) -> str | None:
     """
     f = found.fit
     over = {name: catalogue()[held.effect].depends_on for name, held in f.hypothesis.added.items()}
-    names = [name for name in over if over[name] not in NOTHING_ELSE]
+    names = [n for n in over if over[n] not in NOTHING_ELSE and not standing_on(f.hypothesis, n)]
     if f.parted or not names:
         return None
     gains = {n: penalised_gain(bare, f) for n, bare in zip(names, less_each(f, names), strict=True)}
