@@ -101,14 +101,16 @@ def one_joint(
 
 
 def _without_tool(columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray]) -> Sequence[JointColumn]:
-    """The columns without those of a robot's tool beside several joints; beside one, without those with a number.
+    """The columns without those of a robot's tool beside several joints; beside one, without those of several numbers.
 
     What a tool does is no joint's; at the end of a single shaft a torque of a flange may be the load's.
     """
     rest = [column for column in columns if not has_word(column.read.words, TOOL)]
     joints = _joints(rest, numbers, {column.read.name: _number_of(column.read) for column in rest})
     joints = joints if len(joints) > 1 else _joints(rest, numbers, _parts_by_words(rest)) or joints
-    return [c for c in columns if c in rest or not (len(joints) > 1 or (joints and _number_of(c.read)))]
+    of_tool = [column for column in columns if column not in rest]
+    components = len({_number_of(column.read) for column in of_tool} - {()}) > 1
+    return rest if len(joints) > 1 or (joints and components) else columns
 
 
 def _joints(

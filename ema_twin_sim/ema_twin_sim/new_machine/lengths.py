@@ -7,14 +7,16 @@ import math
 from ema_bench_replay.traces.header_words import header_words
 from ema_bench_replay.units import units_of
 
+from .column_quantity import has_word
+from .column_words import SETPOINT
 from .map_draft import quoted
 
 
 def how_to_use_length(name: str) -> str:
-    """What to write into the map, with the screw's lead; empty if a column is no position."""
+    """What to write into the map, with the screw's lead; empty if a column is no measured position."""
     read = header_words(name)
     size = units_of("output_position", "linear").get(read.unit or "")
-    if size is None or read.quantity != "position":
+    if size is None or read.quantity != "position" or has_word(read.words, SETPOINT):
         return ""
     return (
         f"if a screw moves it, add the line `output_position: {{columns: [{quoted(name)}], unit: rad, factor: …}}` to "
