@@ -61,8 +61,8 @@ def alone_cases(seed: int, count: int) -> list[Case]:
     quarter = count // 4
     every = [
         *other_machine_cases(seed, count - 2 * quarter),
-        *(null_cases(seed, quarter) if quarter else ()),
-        *(drawn_cases(seed, quarter) if quarter else ()),
+        *null_cases(seed, quarter),
+        *drawn_cases(seed, quarter),
     ]
     return [
         replace(

@@ -200,7 +200,7 @@ def test_a_column_named_in_full_goes_before_a_letter(letter, name):
 def test_a_unit_that_the_header_tells_is_not_asked_about(drafted):
     """A speed in steps a second was asked whether it is in rpm."""
     speed = 900.0 + 4000.0 * np.sin(5.0 * TIME) ** 2
-    for name, asked in (("Speed (steps/s)", False), ("Speed", True)):
+    for name, asked in (("Speed (steps/s)", False), ("Speed", True), ("Speed (1)", True)):
         draft = drafted({"time [s]": TIME, "current [A]": CURRENT, name: speed})
         assert ("is its column in rpm, and read as rad/s?" in draft.warned) is asked
         assert ("'steps/s' is not a unit of the speed" in draft.warned) is not asked

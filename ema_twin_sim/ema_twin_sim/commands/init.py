@@ -211,13 +211,12 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
         if any(guess.column == name for guess in holed):
             said += "; to use it, fill in these cells or remove their rows, and run init again"
         say(said)
-    found = any(guess.signal == "output_position" for guess in guesses.signals)
-    for number, name in enumerate(guesses.other_motion):
-        way = "" if found or number else how_to_use_length(name)
+    for name in guesses.other_motion:
         unit, other = header_words(name).unit, "linear" if guesses.motion == "rotary" else "rotary"
         say(
             f"{name}: {unit} is a unit of a {other} machine, and by the other columns this one is {guesses.motion}, so "
-            f"it is not used ({way}if the unit is wrong, correct the header and run init again)"
+            f"it is not used ({how_to_use_length(name, guesses)}if the unit is wrong, correct the header and run init "
+            "again)"
         )
     for name in guesses.row_counters:
         say(f"{name}: not used, since it rises by the same step in every row, as the number of a row does")

@@ -40,12 +40,10 @@ def warn_of_contradicted_names(guesses: Guesses) -> None:
 
 def warn_of_foreign_units(guesses: Guesses) -> None:
     """Warn of columns whose header has a unit that does not fit their signal, such as per cent of a rated torque."""
-    from ema_bench_replay.traces.header_words import header_words
     from ema_bench_replay.units import signal_unit
 
     for guess in guesses.signals:
-        foreign = header_words(guess.column).foreign
-        if guess.unit is None and foreign and not foreign.isdigit():
+        if foreign := guess.foreign_unit:
             signal, unit = guess.signal.replace("_", " "), signal_unit(guess.signal, guesses.motion)
             warn(
                 f"{guess.column}: '{foreign}' is not a unit of the {signal}; the values are read as {unit}, and all "

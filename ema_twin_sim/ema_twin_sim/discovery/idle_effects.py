@@ -34,10 +34,9 @@ def idle_effects(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]
         came = [name for name in new_names(turn.before, turn.after) if name in added and name not in needed]
         parting = tuple(name for name in came if added[name].effect in COMPLIANT_EFFECTS)
         bending = tuple(name for name in came if added[name].effect == BRISTLE)
-        first = _before_both(found, k)
-        ended = k + 1 if first == k else len(unseen.moving) - 1
-        if misread := _misread(found, unseen, k):
-            return misread, False
+        first, ended = _judged_over(found, unseen, k)
+        if errors := _encoder_errors(found, unseen, k):
+            return errors, False
         of_torque = real and bool(came) and any(shows_over(found, name) != "encoders" for name in came)
         if unseen.moving[k] <= NOISY * unseen.noise_floor:
             if of_torque and unseen.moving[ended] > (1.0 + NEGLIGIBLE) * unseen.moving[first]:
@@ -59,20 +58,18 @@ def idle_effects(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]
 
 
 def idle_encoder_errors(found: Search, unseen: Unseen) -> tuple[str, ...]:
-    """Of these effects, the errors of an encoder alone: what is unknown beside them is no reason to keep them."""
-    return next((names for k in range(len(found.taken)) if (names := _misread(found, unseen, k))), ())
+    """The idle errors of encoders alone. Something unknown beside them is no reason to keep them."""
+    return next((names for k in range(len(found.taken)) if (names := _encoder_errors(found, unseen, k))), ())
 
 
-def _misread(found: Search, unseen: Unseen, k: int) -> tuple[str, ...]:
+def _encoder_errors(found: Search, unseen: Unseen, k: int) -> tuple[str, ...]:
     """Errors of an encoder that came with round ``k`` and removed little of the output's error."""
     turn, f = found.taken[k], found.fit
     added = f.hypothesis.added
-    misread = tuple(n for n in new_names(turn.before, turn.after) if n in added and added[n].effect in ENCODER_ONLY)
-    if not misread or f.hypothesis.base.is_open or f.parted or not unseen.output:
+    came = tuple(n for n in new_names(turn.before, turn.after) if n in added and added[n].effect in ENCODER_ONLY)
+    if not came or f.hypothesis.base.is_open or f.parted or not unseen.output:
         return ()
-    first = _before_both(found, k)
-    removed = unseen.output_removed(first, k + 1 if first == k else len(unseen.moving) - 1)
-    return misread if removed < PART else ()
+    return came if unseen.output_removed(*_judged_over(found, unseen, k)) < PART else ()
 
 
 def _since_the_best(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]) -> tuple[str, ...]:
@@ -85,6 +82,12 @@ def _since_the_best(found: Search, unseen: Unseen, kept: Collection[frozenset[st
         return ()
     since = tuple(n for n in added if n not in before and shows_over(found, n) != "encoders")
     return () if frozenset(since) in kept else since
+
+
+def _judged_over(found: Search, unseen: Unseen, k: int) -> tuple[int, int]:
+    """The round before the effects of round ``k``, and the round that shows what they do: their own, or the last."""
+    first = _before_both(found, k)
+    return first, k + 1 if first == k else len(unseen.moving) - 1
 
 
 def _before_both(found: Search, k: int) -> int:

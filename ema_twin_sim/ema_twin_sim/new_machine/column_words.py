@@ -59,8 +59,9 @@ NO_SIGNAL = (
     r"|zwischenkreis|^bus$|supply|^(id|isd)$|offset"
 )
 DUTY = r"^pwm|^duty|^tastgrad|^tastverh"
-DUTY_SETTING = r"^freq|^enable|^mode|^stat(e|us)|^period|^frequenz|^freigabe"
 """A share of the supply's voltage that a drive gives to its motor."""
+DUTY_SETTING = r"^freq|^enable|^mode|^stat(e|us)|^period|^frequenz|^freigabe"
+"""What is set or told beside a duty cycle."""
 FEEDFORWARD = r"^ff$|^feedforward$|^vorsteuer"
 """A share of a command, which the drive adds to its controller's: neither a measurement nor what the drive follows."""
 SUPPLY = r"supply|^(dc|bus|battery|batt)$|zwischenkreis|versorg"

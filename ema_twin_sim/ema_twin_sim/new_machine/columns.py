@@ -69,6 +69,12 @@ class Guess:
         """The shaft at which it is given according to its name, motor or output."""
         return "output" if self.of_output and self.signal in AT_EITHER_SHAFT else "motor"
 
+    @property
+    def foreign_unit(self) -> str:
+        """The unit in its name that its signal cannot have; empty if there is none. A number in brackets is no unit."""
+        foreign = header_words(self.column).foreign
+        return "" if self.unit is not None or foreign.isdigit() else foreign
+
 
 @dataclass(frozen=True)
 class Guesses:

@@ -166,7 +166,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         columns = ", ".join(g.column for g in guesses.signals if g.turned_round and g.signal in _OUTPUTS)
         shown.append(f"{columns} turned round (`factor: -1` in the map), since the output turns against the motor")
     units = {guess.signal: guess.unit for guess in guesses.signals}
-    foreign = {guess.signal for guess in guesses.signals if guess.unit is None and header_words(guess.column).foreign}
+    foreign = {guess.signal for guess in guesses.signals if guess.foreign_unit}
     questions = tuple(told for recording in recordings for told in questions_about_units(recording, units, foreign))
     known = None not in (units.get("motor_position"), units.get("speed"))
     if any(guess.signal == "speed" and guess.of_output for guess in guesses.signals):

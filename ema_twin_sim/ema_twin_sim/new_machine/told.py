@@ -85,7 +85,7 @@ def assumed_units(guesses: Guesses) -> list[str]:
     """Units that are not in the header: one sentence for all columns with the same reason, with how to change it."""
     read: dict[str, list[Guess]] = {}
     for guess in guesses.signals:
-        if guess.unit is None and not header_words(guess.column).foreign:  # foreign units have a warning
+        if guess.unit is None and not guess.foreign_unit:  # foreign units have a warning
             read.setdefault("no unit in the header", []).append(guess)
         elif guess.unit not in (None, COUNTS) and guess.doubt:
             read.setdefault(guess.doubt, []).append(guess)

@@ -17,7 +17,7 @@ from ..criteria.worth import ENCODER_ONLY, NOTHING_ELSE, penalised_gain, standin
 from .adding import less_each, prune, without_effect
 from .removing import less, significant
 from .search import torque_cost
-from .trace import BY_CHANCE, ONCE, Search
+from .trace import BY_CHANCE, WANDERS_IN_ONE, Search
 from .wandering_end import with_wander
 
 
@@ -33,8 +33,8 @@ def less_what_one_recording_leaves_open(found: Search, progress: Callable[[str],
     while (instead := _wandering_instead(found)) is not None:
         name, wander = instead
         progress(f"friction seems to vary slowly by {wander.share:.1%}: that explains as much as {name}")
-        beside = with_wander(less(found, [name], ONCE).fit, wander)
-        found = significant(found.ended(prune(beside), ONCE))
+        beside = with_wander(less(found, [name], WANDERS_IN_ONE).fit, wander)
+        found = significant(found.ended(prune(beside), WANDERS_IN_ONE))
     while (least := _least_told(found)) is not None:
         found = significant(less(found, [least], BY_CHANCE))
     return found
@@ -43,8 +43,8 @@ def less_what_one_recording_leaves_open(found: Search, progress: Callable[[str],
 def _wandering_instead(found: Search) -> tuple[str, Wander] | None:
     """The added effect that wandering friction replaces best, at hardly any more cost, and how it wanders then.
 
-    By no more than friction does on machines where it is known to: what takes more is no wandering. Beside it, the
-    effect must gain no more than chance does: friction may wander and the effect be there.
+    By no more than the tolerance of a model file's constants: friction that stays within it is still that of the file.
+    Beside it, the effect must gain no more than chance does: friction may wander and the effect be there.
     """
     f = found.fit
     if f.problem.weighting.wander is not None or f.parted:

@@ -24,7 +24,7 @@ SWAPS = frozenset({BEATEN, SURER, SIMPLER})
 WANDERS_OVER_TIME = "friction that varies slowly over the recording explains as much"
 WANDERS = "friction that varies slowly explains as much"
 BY_CHANCE = "one recording alone does not tell it from chance"
-ONCE = "in one recording, friction that varies slowly explains as much: a second recording would tell"
+WANDERS_IN_ONE = "in one recording, friction that varies slowly explains as much: a second recording would tell"
 UNCERTAIN = "its numbers are too uncertain, or those of no machine"
 
 
