@@ -5,7 +5,7 @@ python -m tests.accuracy.run --known                        (what was once misse
 python -m tests.accuracy.run --null 40 | --laws 40 | --leave-out | --sweep [EFFECT ...] | --robust
 python -m tests.accuracy.run --limits [EFFECT ...] [--cases 10]              (benches an effect)
 python -m tests.accuracy.run --other-machines 60 | --alone 60 | --calibration | --contradictions 200
-python -m tests.accuracy.run --strangers 40 | --textbook 28 | --mistakes 20  [--plain] [--keep DIR]   (by commands)
+python -m tests.accuracy.run --strangers 40 | --textbook 28 | --mistakes 20  [--plain] [--single] [--keep DIR]
 python -m tests.accuracy.run --save DIR        (cases as folders, for other scorers; discovery is not run)
 """
 
@@ -137,6 +137,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--textbook", type=_count, metavar="N", help="N machines by a textbook's law of friction")
     parser.add_argument("--mistakes", type=_count, metavar="N", help="N of them with a wrong unit or sign")
     parser.add_argument("--plain", action="store_true", help="of --strangers, in the tutorial's names and SI units")
+    parser.add_argument("--single", action="store_true", help="of --strangers, one recording each instead of three")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="of these three: where their files stay")
     parser.add_argument(
         "--contradictions", type=_count, metavar="N", help="N cases of both benches: is all of it told alike"
@@ -164,7 +165,7 @@ def _strangers(asked: argparse.Namespace) -> list[Stranger] | list[Textbook]:
         return _only(asked, textbook_cases(asked.seed, asked.textbook))
     if asked.mistakes:
         return _only(asked, mistaken_cases(asked.seed, asked.mistakes))
-    return _only(asked, stranger_cases(asked.seed, asked.strangers, plain=asked.plain))
+    return _only(asked, stranger_cases(asked.seed, asked.strangers, plain=asked.plain, alone=asked.single))
 
 
 def _only(asked: argparse.Namespace, cases: Sequence[Named]) -> list[Named]:

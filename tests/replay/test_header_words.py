@@ -113,3 +113,17 @@ def test_a_bracket_before_more_of_the_name_is_part_of_it(name, words, foreign):
 
 def test_a_known_unit_may_stand_before_more_of_the_name():
     assert header_words("Torque (Nm) raw").unit == "N m"
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "unit"),
+    [
+        ("Speed (actual)", ("speed", "actual"), None),
+        ("speed (rpm) (act.)", ("speed",), "rpm"),
+        ("Torque (motor, set) [Nm]", ("torque", "motor", "set"), "N m"),
+    ],
+)
+def test_words_in_brackets_that_tell_which_value_it_is_are_no_unit(name, words, unit):
+    read = header_words(name)
+    assert read.words[: len(words)] == words and read.unit == unit and read.foreign == ""
+    assert header_words("torque (pu)").foreign == "pu"

@@ -127,6 +127,15 @@ _OF_NO_SIGNAL = frozenset({"w", "kw", "va", "kva", "var", "kvar"})
 _NO_PART = _OF_NO_SIGNAL | {"g", "mg"}
 """Units of no signal that may stand in brackets within a name, where other words tell a part of the machine."""
 
+_OF_A_NAME = frozenset(
+    (
+        *("act", "actual", "ist", "real", "meas", "measured", "feedback", "raw", "filt", "filtered", "smoothed"),
+        *("est", "estimated", "set", "setpoint", "sp", "soll", "ref", "reference", "target", "desired", "demand"),
+        *("cmd", "command", "commanded", "motor", "output", "load"),
+    )
+)
+"""Words in brackets that tell which value of a signal it is, or of which part, and are no unit: ``speed (actual)``."""
+
 _IN_OTHER_LETTERS = {
     "time": r"时间|時間|時刻|时刻|시간|время",
     "temperature": r"温度|溫度|온도|температур",
@@ -259,7 +268,10 @@ def _ticks(name: str, unit: str) -> bool:
 
 
 def _names_a_part(bracket: re.Match[str]) -> bool:
-    """Whether a bracket is part of a name that goes on behind it, as in ``knee[left].torque``, and no unit."""
+    """Whether a bracket is part of a name, as in ``knee[left].torque`` or ``speed (actual)``, and no unit."""
+    words = re.findall(r"[^\s,._-]+", bracket[1].lower())
+    if words and _OF_A_NAME.issuperset(words):
+        return True
     goes_on = re.search(r"\w", _BRACKETS.sub("", bracket.string[bracket.end() :]))
     known = bracket[1].lower() in _NO_PART
     return goes_on is not None and not known and re.fullmatch(r"\w[\w .-]*", bracket[1]) is not None

@@ -203,7 +203,9 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
     motion = motion_at_points(recording, model)
     motion = motion[np.isfinite(motion).all(axis=1)]
     if len(motion) < FEWEST_POINTS:
-        raise InputError(f"{recording.name}: {len(motion)} operating points are too few to tell anything")
+        raise InputError(
+            f"{recording.name}: {len(motion)} operating points are too few: at least {FEWEST_POINTS} are needed"
+        )
     count = len(motion)
     constant = model.value("machine.torque_constant")
     torque = constant * motion[:, MOTOR_CURRENT]

@@ -115,7 +115,7 @@ def full_rate(recording: Recording, model: Model) -> tuple[np.ndarray, float]:
         raise InputError(f"{recording.name}: has no {' and no '.join(missing)}")
     period, time, signals, _ = even(recording)
     if len(time) < FEWEST:
-        raise InputError(f"{recording.name}: {len(time)} samples are too few to tell anything")
+        raise InputError(f"{recording.name}: {len(time)} samples are too few: at least {FEWEST} are needed")
     reading = max(counter_noise(model, "motor"), reading_noise(signals["motor_position"]))
     least = period
     width = WIDTH if "speed" in signals else narrowest(signals["motor_position"], period, reading, COUNTER_WIDTH, least)

@@ -40,7 +40,7 @@ def refuse_incomplete(recording: Recording, model: Model) -> None:
             + (f"; {lacked}" if lacked else f" (it holds {', '.join(recording.signals)})")
         )
     if len(recording) < FEWEST:
-        raise InputError(f"{recording.name}: {len(recording)} samples are too few to tell anything")
+        raise InputError(f"{recording.name}: {len(recording)} samples are too few: at least {FEWEST} are needed")
     second, _ = shown(model, 1.0, "s")
     refuse_long_gaps(recording, second)
 

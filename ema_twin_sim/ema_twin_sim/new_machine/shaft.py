@@ -14,7 +14,7 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..criteria import ALL_BUT_SPIKES, CLEARLY_MORE, FAR_OUT, NEARLY_ALL, PART, SMALL
-from ..measured.robust_regression import robust_regression
+from ..measured.robust_regression import bulk_regression
 from ..measured.signal_factors import is_usual_mistake
 from ..measured.smoothing import gaussian, smooth
 from ..measured.usual_sizes import USUAL
@@ -158,8 +158,7 @@ def ratio_of_positions(recording: Recording) -> float | None:
     ratio = float(np.median(motor[far] / output[far]))
     if recording.of_points or len(recording) < _FEWEST_TO_REFINE:
         return ratio
-    refined = _beside_lags(recording)
-    return refined if abs(refined / ratio - 1.0) < ALIKE else ratio
+    return _beside_lags(recording, ratio)
 
 
 def _farthest_apart(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
@@ -176,21 +175,29 @@ def _farthest_apart(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     return motor, output
 
 
-def _beside_lags(recording: Recording) -> float:
+def _beside_lags(recording: Recording, ratio: float) -> float:
     """The ratio of both positions, fitted together with a delay of the output, play, wind-up and an off-centre encoder.
 
-    The regression is robust and uses motion only: at rest, and while play is crossed, the output may be anywhere.
+    The regression is robust and uses motion only, and only where the output follows at about the ratio of their
+    speeds: at rest, and while play is crossed, it may be anywhere. The ``ratio`` of their ways if that tells no other.
     """
     motor, output = (recording.signals[name] for name in ("motor_position", "output_position"))
     step, bend = (smooth(motor, gaussian(_SMOOTHED, 1.0, order)) for order in (1, 2))
+    follows = smooth(output, gaussian(_SMOOTHED, 1.0, 1))
+    fast = (np.abs(step) > _MOVING * np.nanmax(np.abs(step))) & (np.abs(ratio * follows) > SMALL * np.abs(step))
+    of_speeds = float(np.median(step[fast] / follows[fast])) if fast.sum() >= _FEWEST_TO_REFINE else ratio
     columns = np.stack([output, step, np.sign(step), bend, np.ones(len(step))], axis=1)
     if np.ptp(output[np.isfinite(output)]) > _ROUND * 2.0 * math.pi:
         columns = np.concatenate([columns, np.sin(output)[:, None], np.cos(output)[:, None]], axis=1)
     columns[:_AT_ENDS] = columns[-_AT_ENDS:] = np.nan
     whole = np.isfinite(columns).all(axis=1) & np.isfinite(motor)
-    whole &= np.abs(step) > SMALL * np.nanmax(np.abs(step))
-    found, _ = robust_regression(columns[whole], motor[whole])
-    return float(found[0])
+    whole &= (np.abs(step) > SMALL * np.nanmax(np.abs(step))) & (
+        np.abs(of_speeds * follows - step) < PART * np.abs(step)
+    )
+    if whole.sum() < _FEWEST_TO_REFINE:
+        return ratio
+    found = bulk_regression(columns[whole], motor[whole])
+    return float(found[0]) if abs(found[0] / of_speeds - 1.0) < ALIKE else ratio
 
 
 def positions_part(recording: Recording, ratio: float) -> bool:

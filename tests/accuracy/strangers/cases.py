@@ -46,6 +46,7 @@ class Stranger:
     mistake: str = ""
     plain: bool = False  # told in the tutorial's words
     knows: tuple[str, ...] = ()  # what the data sheet tells: torque_constant, gear_ratio
+    alone: int | None = None  # of the three recordings, the only one that is there
 
     @property
     def hidden(self) -> tuple[str, ...]:
@@ -72,12 +73,14 @@ class Stranger:
         return [word for name in self.knows for word in (f"--{name.replace('_', '-')}", f"{told[name]:.6g}")]
 
     def write(self, folder: Path) -> list[Path]:
-        """Three recordings as CSV, and ``answer.json`` beside them."""
+        """Its recordings as CSV, three if it is not ``alone``, and ``answer.json`` beside them."""
         folder.mkdir(parents=True, exist_ok=True)
         random = np.random.default_rng((*self.seed, 2))
         told = _Told(self, random)
         files = []
         for number, setpoint in enumerate(self._setpoints()):
+            if self.alone not in (None, number):
+                continue
             true = run(self.servo, setpoint, self.period, origin=0.4)
             files.append(folder / f"{self.name}_{number}.csv")
             files[-1].write_text(told.text(true, random), "utf-8")
@@ -168,11 +171,14 @@ class _Told:
         return np.rint(angle * per_radian + random.normal(0.0, 0.3, len(angle))) / per_radian
 
 
-def stranger_cases(seed: int, count: int, *, plain: bool = False) -> list[Stranger]:
-    """Cases of every effect and of none; the same seed gives the same cases."""
+def stranger_cases(seed: int, count: int, *, plain: bool = False, alone: bool = False) -> list[Stranger]:
+    """Cases of every effect and of none, told by three recordings or by one of them ``alone``.
+
+    The same seed gives the same cases.
+    """
     turns = itertools.cycle(np.random.default_rng((seed, 7000)).permutation([*HIDDEN, ""]).tolist())
     return [
-        replace(_drawn(f"{number:03d}", (seed, 7001, number), effect), plain=plain)
+        replace(_drawn(f"{number:03d}", (seed, 7001, number), effect), plain=plain, alone=number % 3 if alone else None)
         for number, effect in enumerate(itertools.islice(turns, count))
     ]
 
