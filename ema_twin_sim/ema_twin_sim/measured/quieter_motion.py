@@ -20,6 +20,7 @@ from ..model import Model
 from ..model.matching import BY_SPEED, matched
 from ..reading_noise import reading_noise
 from ..simulation.sensor_noise import counter_noise
+from .held_torque import telling_repeats
 from .row_noise import smallest_step
 from .smoothed_motion import LEAST_PERIODS
 from .smoothing import gaussian, smooth
@@ -46,7 +47,8 @@ def as_measured(recordings: Sequence[Recording], model: Model) -> Measured:
     """
     if isinstance(recordings, Measured):
         return recordings
-    found = _told_once(recordings, [matched(without_spoilt_motion(recording), model) for recording in recordings])
+    read = [matched(telling_repeats(without_spoilt_motion(recording)), model) for recording in recordings]
+    found = _told_once(recordings, read)
     coarse = {k: both for k, one in enumerate(found) if (both := _noise_and_acceleration(one, model)) is not None}
     noise, acceleration = (
         (float(sum(column)) for column in zip(*coarse.values(), strict=True)) if coarse else (0.0, 0.0)
