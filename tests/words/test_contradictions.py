@@ -112,6 +112,8 @@ def test_nothing_is_missing_is_not_said_beside_what_stands_out():
         "These recordings show no missing effect, but the speed's error is 6.0 times the sensors' noise and the "
         "current's 1.3 times."
     )
+    quiet = verdict_sentence("none", (), (), beyond={"motor_torque": math.inf})
+    assert quiet.endswith("but the noise of the motor torque is not known, so nothing says how large an error may be.")
     assert verdict_sentence("none", (), (), beyond={}) == "These recordings show nothing missing."
 
 

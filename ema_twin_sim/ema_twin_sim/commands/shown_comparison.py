@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -23,7 +23,6 @@ from .torque_errors import show_torque_errors
 
 if TYPE_CHECKING:
     from ..comparison.compare import Comparison
-    from ..comparison.running_comparison import SignalError
     from ..comparison.where import Dependence
 
 BLIND = 0.5  # noise as a fraction of the signal; above it, an error within the noise says nothing
@@ -112,7 +111,7 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
         say(f"\nNo error exceeds the sensors' noise{of}, but {short}.")
         return
     if not poor:
-        say(f"\nAll errors are at the sensors' noise floor{of}{_what_that_says(shown, overall)}.")
+        say(f"\nAll errors are at the sensors' noise floor{of}{_what_that_says(comparison, shown)}.")
         return
     if not found:
         names = ", ".join(sorted(name.replace("_", " ") for name in poor))
@@ -130,8 +129,9 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
         say(next(d for d in found if d.signal == signal).sentence())
 
 
-def _what_that_says(shown: Sequence[str], overall: Mapping[str, SignalError]) -> str:
+def _what_that_says(comparison: Comparison, shown: Sequence[str]) -> str:
     """End of the sentence on errors within the noise; warns if noise is more than half of a signal."""
+    overall = comparison.overall
     errors = {name: overall[name] for name in shown if overall[name]["rmse"] and not overall[name]["driven"]}
     noise = {name: error["relative"] * error["noise_floor"] / error["rmse"] for name, error in errors.items()}
     blind = [
@@ -140,6 +140,10 @@ def _what_that_says(shown: Sequence[str], overall: Mapping[str, SignalError]) ->
         if share > BLIND
     ]
     if not blind:
+        left = max((r.torque_error.below_band for r in comparison.recordings if r.torque_error), default=0.0)
+        if left > SMALL:
+            what = "force" if comparison.motion == "linear" else "torque"
+            return f", but up to {left:.0%} of the {what} remains where it changes slowly: run discover to find out why"
         return "; run discover to look for smaller missing effects"
     large = " and ".join(blind)
     return f", but {large}, which hides any error; check the sensors' constants in the model's file"

@@ -21,6 +21,8 @@ def show_torque_errors(errors: Mapping[str, TorqueError], motion: str, model: st
         of = f"{name} ({model})" if model else name
         below = f"{_percent(error.filtered)} below {error.band:g} Hz, "
         if error.filtered == error.unfiltered:  # nothing was filtered
+            if error.unfiltered > 1.0:  # the noise of the acceleration, which a filter removes
+                continue
             below = f"sampled too slowly for a filter of {error.band:g} Hz: "
         say(f"Relative {what} error of {of}, standstill included: {below}{_percent(error.unfiltered)} unfiltered")
 

@@ -35,6 +35,11 @@ class TorqueError:
     unfiltered: float
     band: float = BAND  # Hz
 
+    @property
+    def below_band(self) -> float:
+        """The filtered share; 0 if nothing could be filtered."""
+        return 0.0 if self.filtered == self.unfiltered else self.filtered
+
     def as_json(self) -> dict[str, float]:
         """Shares, not per cent."""
         return {"relative": self.filtered, "relative_unfiltered": self.unfiltered, "band": self.band}

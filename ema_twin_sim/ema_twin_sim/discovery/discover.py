@@ -46,7 +46,7 @@ from .search.removing import less, significant
 from .search.rivals import Rivalry, judged_against_rivals, undecided
 from .search.search import search
 from .search.search_order import in_another_order
-from .search.trace import Search
+from .search.trace import UNSUPPORTED, UNSUPPORTED_IN_ONE, Search
 from .search.unknown import beside_the_unknown, doubted
 from .search.wandering_end import (
     less_what_wandering_explains,
@@ -165,7 +165,7 @@ def discover(
     loop = ClosedLoop(recordings, found.fit.hypothesis.base)
     found = with_best_split(loop, found)
     found = with_unmoved_constants(loop, found) if known else found
-    progress("judging on held-out recordings")
+    progress("judging by simulation")
     began = read.began if model.is_open else in_si(model)
     judge = Judge(read.rotary, began, noise)
     unseen = judge(found)
@@ -177,7 +177,7 @@ def discover(
     while idle:
         before = {*found.fit.hypothesis.added}
         shown_over = tuple(dict.fromkeys(shows_over(found, name) for name in idle))
-        fewer = less(found, idle, "the simulation of held-out recordings does not support it")
+        fewer = less(found, idle, UNSUPPORTED if len(recordings) > 1 else UNSUPPORTED_IN_ONE)
         beside = judge(fewer)
         error_without = beside.moving[-1]
         if not fewer.fit.hypothesis.added:  # the given constants may do better than those fitted without effects

@@ -163,12 +163,19 @@ def fit_sentences(
 
 
 def beyond_words(beyond: Mapping[str, float]) -> str:
-    """``the speed's error is 6.0 times the sensors' noise and the current's 1.3 times``; empty without signals."""
-    each = [(f"the {name.replace('_', ' ')}'s", times_words(times)) for name, times in beyond.items()]
-    if not each:
-        return ""
-    (whose, times), *others = each
-    return listed([f"{whose} error is {times} the sensors' noise", *(" ".join(other) for other in others)])
+    """``the speed's error is 6.0 times the sensors' noise and the current's 1.3 times``; empty without signals.
+
+    Of a signal whose noise is zero, that it is unknown.
+    """
+    each = [(f"the {name.replace('_', ' ')}'s", times_words(t)) for name, t in beyond.items() if math.isfinite(t)]
+    said = [
+        f"{whose} {times}" if k else f"{whose} error is {times} the sensors' noise"
+        for k, (whose, times) in enumerate(each)
+    ]
+    unknown = [name.replace("_", " ") for name, times in beyond.items() if math.isinf(times)]
+    if unknown:
+        said.append(f"the noise of the {listed(unknown)} is not known, so nothing says how large an error may be")
+    return listed(said)
 
 
 def verdict_sentence(

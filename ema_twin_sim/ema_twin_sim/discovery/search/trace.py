@@ -25,6 +25,8 @@ WANDERS_OVER_TIME = "friction that varies slowly over the recording explains as 
 WANDERS = "friction that varies slowly explains as much"
 BY_CHANCE = "one recording alone does not tell it from chance"
 WANDERS_IN_ONE = "in one recording, friction that varies slowly explains as much: a second recording would tell"
+UNSUPPORTED = "the simulation of held-out recordings does not support it"
+UNSUPPORTED_IN_ONE = "the simulation of the recording does not support it"
 UNCERTAIN = "its numbers are too uncertain, or those of no machine"
 
 
