@@ -143,7 +143,8 @@ def _what_that_says(comparison: Comparison, shown: Sequence[str]) -> str:
         left = max((r.torque_error.below_band for r in comparison.recordings if r.torque_error), default=0.0)
         if left > SMALL:
             what = "force" if comparison.motion == "linear" else "torque"
-            return f", but up to {left:.0%} of the {what} remains where it changes slowly: run discover to find out why"
+            share = f"{100.0 * left:.0f} % of the {what}"
+            return f", but up to {share} remains where it changes slowly: run discover to find out why"
         return "; run discover to look for smaller missing effects"
     large = " and ".join(blind)
     return f", but {large}, which hides any error; check the sensors' constants in the model's file"
