@@ -61,6 +61,16 @@ def test_two_numbered_shafts_of_one_train_stay_motor_and_output():
     assert (found["motor_torque"], found["load_torque"]) == ("torque 1 [Nm]", "torque 2 [Nm]")
 
 
+def test_init_says_that_a_joint_which_moves_beside_it_may_act_on_it(drafted):
+    names = ("q{} [rad]", "dq{} [rad/s]", "tau{} [Nm]")
+    nearly_at_rest = robot(names, 2)
+    assert " move too" not in drafted(nearly_at_rest).said
+    moving = {
+        name: values * (5.0 if name in ("q1 [rad]", "q3 [rad]") else 1.0) for name, values in nearly_at_rest.items()
+    }
+    assert "1 and 3 move too" in drafted(moving).said
+
+
 def test_init_tells_which_joint_it_took_and_reads_further_traces_of_it(drafted):
     names = ("q{} [rad]", "dq{} [rad/s]", "tau{} [Nm]")
     draft = drafted(robot(names, 2), robot(names, 3))  # in the second, another joint goes farther

@@ -16,7 +16,8 @@ import numpy as np
 from ema_bench_replay.traces.header_words import HeaderWords
 from ema_bench_replay.units import MOTIONS, units_of
 
-from ..criteria import NEGLIGIBLE, SMALL
+from ..criteria import NEGLIGIBLE, PART, SMALL
+from ..listing import listed
 from .column_quantity import has_word
 from .column_words import TOOL
 from .part_names import part_in_the_name, part_of
@@ -33,12 +34,14 @@ Part = tuple[str, ...]
 class Joint:
     """The number or name of the joint whose columns are taken, and those of the others; empty if there is only one.
 
-    ``undriven`` are those that go farther, but whose current or torque never changes.
+    ``undriven`` are those that go farther, but whose current or torque never changes; ``moving`` those of the others
+    that go a considerable part as far.
     """
 
     name: str = ""
     others: tuple[str, ...] = ()
     undriven: tuple[str, ...] = ()
+    moving: tuple[str, ...] = ()
 
     @property
     def sentence(self) -> str:
@@ -49,7 +52,18 @@ class Joint:
             why += f" of those whose current or torque changes (that of {', '.join(self.undriven)} never does)"
         return (
             f"the columns {which} {why}; those of {', '.join(self.others)} are not used "
-            "(to use another joint, remove the others' columns and run init again)"
+            f"(to use another joint, remove the others' columns and run init again){self._beside_it}"
+        )
+
+    @property
+    def _beside_it(self) -> str:
+        """What joints that move beside it do to it; empty if none does."""
+        if not self.moving:
+            return ""
+        move = "moves" if len(self.moving) == 1 else "move"
+        return (
+            f"; {listed(self.moving)} {move} too: what hangs on this joint acts on it by weight and inertia, which "
+            "discover may take for another load; record this joint alone"
         )
 
 
@@ -97,7 +111,8 @@ def one_joint(
         if not _is_of_others(parts[column.read.name], own, others)
         and (by_number or not _is_elsewhere(column, parts[column.read.name], own))
     ]
-    return Joint(chosen, tuple(name for name in known if name != chosen), undriven), kept
+    moving = tuple(name for name in known if name != chosen and ways[name] > PART * ways[chosen])
+    return Joint(chosen, tuple(name for name in known if name != chosen), undriven, moving), kept
 
 
 def _without_tool(columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray]) -> Sequence[JointColumn]:
