@@ -66,7 +66,7 @@ def command_grid(
             size_unit = radian * second ** _TIME_OF_SIZE[kind]
             pace_unit = 1.0 / second if kind.endswith("sine") else second
             own = f"{kind}:{size:.12g}" + ("" if pace is None else f":{pace:.12g}")
-            asked = f"{kind}:{size * size_unit:g}" + ("" if pace is None else f":{pace * pace_unit:g}")
+            asked = f"{kind}:{size * size_unit:g}" + ("" if pace is None else f":{pace * pace_unit:.3g}")
             lasts = float(f"{seconds * second:g}")
             found.setdefault(asked, Planned(own, seconds, math.floor(seconds / half + 1e-9), asked, lasts))
 
