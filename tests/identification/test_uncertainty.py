@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from ema_twin_sim.discovery.criteria.plausible import uncertain
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.estimates import standard_errors
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.identification.uncertainty import disagreement
+from ema_twin_sim.identification.uncertainty import covariance, disagreement
 from ema_twin_sim.measured.observe import observe_all
 from tests.recorded import record
 
@@ -66,3 +67,20 @@ def test_beside_what_is_held_the_rest_is_as_sure_as_without_it(stock):
     )
     assert held == pytest.approx(alone, rel=1e-6)
     assert either["effects.constant_load.torque"] > 1.3 * alone["effects.constant_load.torque"]
+
+
+def test_a_wave_of_the_torque_is_as_sure_however_badly_the_encoders_are_explained(stock):
+    true = stock.with_effect("backlash", {"width": 2e-3}).with_effect("cogging", {"torque": 0.1})
+    problem = EquationErrorProblem(observe_all(record(true, ("sine:0.3:0.5", "ramp:0.1"), 4.0), stock))
+    found = (
+        null_hypothesis(stock).with_effect("backlash", {}, {"width": 2e-3}).with_effect("cogging", {}, {"torque": 0.1})
+    )
+    wrong = found.put({**found.by_path, "effects.backlash.width": 5e-3})
+    wave = [free.path for free in found.free].index("effects.cogging.torque")
+    errors = {}
+    for name, h in (("right", found), ("wrong", wrong)):
+        f = fit(problem, h, 0)
+        errors[name] = [np.sqrt(np.diag(covariance(problem, f, by_torque=by_torque))) for by_torque in (False, True)]
+    assert "cogging" not in [*uncertain(problem, f)]
+    assert errors["wrong"][0][wave] > 3.0 * errors["right"][0][wave]
+    assert errors["wrong"][1][wave] < 2.0 * errors["right"][1][wave]

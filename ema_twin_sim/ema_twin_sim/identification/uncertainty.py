@@ -33,9 +33,13 @@ class Linearised(NamedTuple):
         return self.slopes.T @ self.slopes + self.priors.T @ self.priors
 
 
-def linearised(f: Fit, held: Sequence[int] = ()) -> Linearised:
-    """A fit to first order; of the parameters with the indices ``held`` its rows show nothing."""
-    root_inflation = np.sqrt(f.row_variance_inflations)
+def linearised(f: Fit, held: Sequence[int] = (), *, by_torque: bool = False) -> Linearised:
+    """A fit to first order; of the parameters with the indices ``held`` its rows show nothing.
+
+    ``by_torque``: its rows are as sure as those of the torque are.
+    """
+    inflations = np.full(len(f.residual), f.variance_inflations[0]) if by_torque else f.row_variance_inflations
+    root_inflation = np.sqrt(inflations)
     slopes = f.jacobian / root_inflation[:, None]
     slopes[:, list(held)] = 0.0
     return Linearised(slopes, f.residual / root_inflation, prior_rows(f.hypothesis)[1])
@@ -54,18 +58,20 @@ def blocks(parts: Sequence[tuple[int, slice]]) -> np.ndarray:
     return found
 
 
-def covariance(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
+def covariance(problem: EquationErrorProblem, f: Fit, *, by_torque: bool = False) -> np.ndarray:
     """Covariance (k, k) of the free parameters: curvature and priors, plus the disagreement between blocks of rows.
+
+    ``by_torque``: of parameters that show in the torque alone, however badly the encoders' difference is explained.
 
     White-noise least squares is far too optimistic because the residual is not white. How far each recording pulls the
     parameters shows how uncertain they are. Open friction that ended at zero would go on to negative values: it has its
     own variance, and the others are as sure as without it. So are they beside what is held without a prior.
     """
-    free = _covariance(problem, f)
+    free = _covariance(problem, f, by_torque=by_torque)
     ended = _not_moving(f)
     if not ended:
         return free
-    held = _covariance(problem, f, ended)
+    held = _covariance(problem, f, ended, by_torque=by_torque)
     held[ended, ended] = free[ended, ended]
     return held
 
@@ -80,9 +86,11 @@ def _not_moving(f: Fit) -> list[int]:
     ]
 
 
-def _covariance(problem: EquationErrorProblem, f: Fit, held: Sequence[int] = ()) -> np.ndarray:
+def _covariance(
+    problem: EquationErrorProblem, f: Fit, held: Sequence[int] = (), *, by_torque: bool = False
+) -> np.ndarray:
     """Covariance (k, k) with some parameters held at their values, those with the indices ``held``."""
-    near = linearised(f, held)
+    near = linearised(f, held, by_torque=by_torque)
     found = scaled_inverse(near.information)
     which = blocks(problem.parts)
     # Coefficients of generic bases are not reported, and some of them depend on one block alone. What they can explain

@@ -89,6 +89,15 @@ class TestFloor:
             assert not named(stock, size, LOADED, "quadratic_drag", **options)
             assert not named(stock, 0.49 / 0.6 * size, LOADED, "mesh_friction", **options)
 
+    def test_beside_impacts_half_of_a_size_is_enough_for_a_wave_that_is_surely_gained(self, stock):
+        size = 0.6 * LEAST_SIZE_BESIDE_IMPACTS
+        price = COST_EFFECT + 2.0 * COST_PARAMETER
+        for gain, large_enough in ((DEPENDS - 0.1, False), (DEPENDS + 0.1, True)):
+            inflation = ROWS * size**2 / (SHAKY * (gain + price))
+            options = {"parted": True, "inflations": (inflation, inflation)}
+            assert named(stock, size, "cogging", **options) == large_enough
+            assert not named(stock, 0.49 / 0.6 * size, "cogging", **options)
+
 
 class TestConstants:
     def test_what_only_constants_tell_need_only_be_worth_its_price(self, stock):

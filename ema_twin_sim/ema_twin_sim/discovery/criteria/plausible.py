@@ -90,12 +90,14 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
     away = {}
     needed_by_rows = cache(lambda name: _needed(problem, f, name))
     sure = SIGNIFICANT if f.hypothesis.base.is_open else LIKELY
-    spread = covariance(problem, f)
+    whole, waves = covariance(problem, f), _torque_waves(problem, f)
+    of_waves = covariance(problem, f, by_torque=True) if waves else whole
     paths = [free.path for free in f.hypothesis.free]
     for name in reversed([*f.hypothesis.added]):
         instance = f.hypothesis.instance(name)
         effect = catalogue()[instance.effect]
         size = effect.parameters[0]
+        spread = of_waves if name in waves else whole
         if f.hypothesis.base.is_open and (
             _shape_on_bound(problem, f, name)
             or _never_possible(effect, instance.parameters)
@@ -131,6 +133,23 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
     for name in sorted(away, key=away.__getitem__):
         if away[name] < SIGNIFICANT and not (away[name] >= LIKELY and needed_by_rows(name)):
             yield name
+
+
+def _torque_waves(problem: EquationErrorProblem, f: Fit) -> frozenset[str]:
+    """The added waves over a shaft's angle that show in the torque alone, beside backlash or compliance.
+
+    A contact of teeth that is far from right leaves most of the encoders' difference, and makes all parameters that it
+    acts on uncertain; a wave of the motor's torque it does not imitate.
+    """
+    if not f.parted or not problem.size:
+        return frozenset()
+    slopes = f.slopes()
+    return frozenset(
+        name
+        for name, held in f.hypothesis.added.items()
+        if catalogue()[held.effect].depends_on == "order"
+        and not any(slopes[path][problem.size :].any() for path in slopes if path.startswith(f"effects.{name}."))
+    )
 
 
 def _needed(problem: EquationErrorProblem, f: Fit, name: str) -> bool:

@@ -162,8 +162,8 @@ def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> b
         elif after.parted and penalised_gain(before, after) > DEPENDS:
             # a few per cent of a load are smaller than other effects, but nothing else follows the load's size
             floor *= 0.5
-    if over == {"order"} and not after.parted:
-        # no typical model error looks like a wave over the angle
+    if over == {"order"} and (not after.parted or penalised_gain(before, after) > DEPENDS):
+        # no typical model error looks like a wave over the angle, except an impact now and then
         floor *= 0.5
     # Interpolation error of an encoder may separate the encoders far more than a delay does.
     late = problem.size > 0 and bool(came) and not after.parted and all(catalogue()[id].delays for id in came.values())
