@@ -38,6 +38,8 @@ ema-twin init trace.csv -o press
 
 ema-twin init trace_*.csv -o press --gear-ratio 50 --torque-constant 0.8
 
+ema-twin init slide.csv -o slide --torque-constant 0.043 --travel-per-turn '5 mm'      (positions in mm, by a screw)
+
 ema-twin init trace.csv -o press --map my_map.yaml      (the model only)
 
 ema-twin init friction_curve.csv -o press --operating-points      (each row is steady)
@@ -70,6 +72,15 @@ def run(
             metavar="N_M_PER_A",
             parser=options.number(1e-6, options.LARGEST, "N m/A (of a linear machine N/A)"),
             help="Torque (N m, or N) per ampere, from the motor's data sheet.",
+        ),
+    ] = None,
+    travel_per_turn: Annotated[
+        float | None,
+        typer.Option(
+            metavar="LENGTH",
+            parser=options.length,
+            help="Way of a slide per turn of its motor, as in '5 mm': the lead of a screw, the circumference of a "
+            "belt's pulley or a rack's pinion, divided by the gear ratio. The torque constant is then in N m/A.",
         ),
     ] = None,
     import_map: Annotated[
@@ -109,7 +120,7 @@ def run(
     for path in files if import_map is None else files[1:]:
         if path.exists() and not force:
             raise InputError(f"{path}: exists already; give another name with -o, or --force to replace it")
-    given = Given(place.name, gear_ratio, torque_constant)
+    given = Given(place.name, gear_ratio, torque_constant, travel_per_turn=travel_per_turn)
     traces = traces or []
     if import_map is not None:
         _model_alone(traces, given, find_configuration("maps", import_map), files[1], force)
