@@ -35,7 +35,7 @@ def length(text: str) -> float:
         value, unit = (float(found[1]), found[2]) if found else (math.nan, "")
     except ValueError:
         value, unit = math.nan, ""
-    if math.isnan(value) or unit and unit not in units:
+    if math.isnan(value) or (unit and unit not in units):
         raise typer.BadParameter(f"{text} is no length; {remedy}")
     if not unit and value >= 1.0:
         raise typer.BadParameter(f"{text} has no unit; {remedy}")

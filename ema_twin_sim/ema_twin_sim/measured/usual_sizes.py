@@ -96,7 +96,7 @@ def looks_too_small_for_a_winding(constant: float, speed: float, current: float)
 
 
 def _beside_usual_windings(constant: float, speed: float, current: float) -> float:
-    """How far induced voltage over current is from that of usual drives, in powers of a unit's mistake (``WINDING``)."""
+    """How far induced voltage over current is from that of usual drives, in powers of a unit's mistake."""
     return math.log(constant * speed / current / WINDING["usual"]) / math.log(WINDING["mistaken"])
 
 

@@ -43,8 +43,8 @@ def refuse_what_does_not_fit(given: Given, recording: Recording) -> None:
         return
     if travel is not None:
         raise InputError(
-            f"--gear-ratio: the way per turn of the motor, {in_mm(travel)}, has the gear in it; leave the ratio out (if "
-            f"that is the lead of a screw behind the gear, give --travel-per-turn '{in_mm(travel / ratio)}')"
+            f"--gear-ratio: the way per turn of the motor, {in_mm(travel)}, has the gear in it; leave the ratio out "
+            f"(if that is the lead of a screw behind the gear, give --travel-per-turn '{in_mm(travel / ratio)}')"
         )
     if not recording.has("motor_position", "output_position"):
         raise InputError(
@@ -76,10 +76,10 @@ def question_about_turning(given: Given, fastest: float) -> str:
 
 
 def doubt_of_travel(travel: float, ratio: float) -> str:
-    """What to check of a way per turn [m] if motor and slide show another one; ``ratio``: motor's way by the slide's."""
+    """What to check of a way per turn [m] if motor and slide show another; ``ratio``: motor's way by the slide's."""
     if abs(ratio - 1.0) < ALIKE:
         return ""
-    return f"both positions give {in_mm(travel / ratio)} per turn of the motor, --travel-per-turn {in_mm(travel)}"
+    return f"both positions give {in_mm(travel / ratio)} per turn of the motor, --travel-per-turn says {in_mm(travel)}"
 
 
 def question_about_force(given: Given, fastest: float, recordings: Sequence[Recording]) -> str:
@@ -89,12 +89,15 @@ def question_about_force(given: Given, fastest: float, recordings: Sequence[Reco
     """
     if given.torque_constant is None or given.travel_per_turn is not None:
         return ""
-    current = max((largest_of(recording, "current") for recording in recordings if recording.has("current")), default=0.0)
+    current = max(
+        (largest_of(recording, "current") for recording in recordings if recording.has("current")), default=0.0
+    )
     if not looks_too_small_for_a_winding(given.torque_constant, fastest, current):
         return ""
     unit = unit_in("N m/A", "linear")
     return (
         f"--torque-constant: with {quantity(given.torque_constant, unit)} the motor would do next to no work: it would "
-        f"induce {quantity(given.torque_constant * fastest, 'V')} at {quantity(fastest, 'm/s')}, and takes up to "
-        f"{quantity(current, 'A')}. Is it in N m/A, of a motor that turns? Then give its way per turn too, {HOW_TO_GIVE}"
+        f"induce {quantity(given.torque_constant * fastest, 'V')} at {quantity(fastest, 'm/s')}, and takes up "
+        f"to {quantity(current, 'A')}. Is it in N m/A, of a motor that turns? Then give its way per turn too, "
+        f"{HOW_TO_GIVE}"
     )
