@@ -105,6 +105,12 @@ def test_how_to_use_the_motors_turns_beside_lengths_is_told(drafted):
     assert "if it is of the motor that moves the slide, give the way per turn, as in --travel-per-turn" in draft.said
 
 
+def test_a_counter_of_the_motor_is_not_read_as_a_length(drafted):
+    draft = drafted({**SLIDE, "motor position [counts]": np.round(WAY / LEAD * 4096.0)}, **GIVEN)
+    assert "if it counts the motor's turns, write them into the file as 'motor position [rev]'" in draft.said
+    assert "position [mm] → motor_position in mm" in draft.said and not draft.warned
+
+
 def test_a_way_per_turn_without_lengths_is_refused(drafted):
     columns = {"time [s]": TIME, "current [A]": CURRENT, "motor angle [deg]": TURNING["motor angle [deg]"]}
     with pytest.raises(InputError, match=r"--travel-per-turn: no position or speed of run0 is in a unit of length"):

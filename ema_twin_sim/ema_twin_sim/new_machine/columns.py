@@ -178,7 +178,8 @@ def guess_columns(
     other_motion = tuple(
         read.name
         for read in usable
-        if read.linear not in (None, linear) and signal_column(read) is not None and not (slides and linear)
+        if (read.unit == COUNTS if slides and linear else read.linear not in (None, linear))
+        and signal_column(read) is not None
     )
     columns = [column for column in map(signal_column, usable) if column and column.name not in other_motion]
     taken, other_axes = choose_signals(columns, numbers, time)

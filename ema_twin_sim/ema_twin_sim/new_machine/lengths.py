@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ema_bench_replay.traces.header_words import header_words
+from ema_bench_replay.traces.header_words import COUNTS, header_words
 from ema_bench_replay.traces.wrapped_angle import counted_on
 from ema_bench_replay.units import signal_unit, units_of
 
@@ -28,6 +28,8 @@ def how_to_use_length(name: str, guesses: Guesses) -> str:
     read = header_words(name)
     if has_word(read.words, SETPOINT):
         return ""
+    if read.unit == COUNTS:
+        return "if it counts the motor's turns, write them into the file as 'motor position [rev]'; "
     if guesses.motion == "linear":
         return f"if it is of the motor that moves the slide, give the way per turn, {HOW_TO_GIVE}; "
     if read.quantity != "position" or any(guess.signal == "output_position" for guess in guesses.signals):
