@@ -9,12 +9,15 @@ import typer
 
 from ema_bench_replay.errors import InputError
 
+from . import options
+
 if TYPE_CHECKING:
     from ..new_machine.columns import Guesses
     from ..new_machine.given import Given
 
 LEAST_RATIO, MOST_RATIO = 1e-3, 1e5
 SHAFTS = "motor", "output"
+_TRAVEL = "Way of the slide per turn of its motor, as in '5 mm' (leave empty for a motor that does not turn)"
 _CONSTANT = "Torque per ampere [N m/A], or force [N/A] (0: not known)"
 _GIVE_A_TRACE = "give a trace, whose columns answer it: ema-twin init TRACE.csv -o NAME"
 
@@ -37,6 +40,8 @@ def asked(given: Given) -> tuple[Guesses, Given]:
     if not named.keys() & {"current", "motor_torque"} or not named.keys() & {"motor_position", "speed"}:
         raise InputError("init: a model needs a current or a torque, and a motor's position or speed; answer these")
     guesses = named_columns(named)
+    if guesses.motion == "linear":
+        return guesses, _of_slide(given, has_current="current" in named)
     ratio = given.gear_ratio or float(_ask("Turns of the motor per turn of the output", 1.0, "give --gear-ratio"))
     if not ratio >= LEAST_RATIO:
         raise InputError(f"init: a gear ratio of {ratio:g} is out of range; give {LEAST_RATIO:g} or more")
@@ -47,10 +52,27 @@ def asked(given: Given) -> tuple[Guesses, Given]:
         )
         if shaft not in SHAFTS:
             raise InputError(f"init: '{shaft}' is not a shaft; answer {' or '.join(SHAFTS)}")
-    constant = given.torque_constant
-    if constant is None and "current" in named:
-        constant = float(_ask(_CONSTANT, 0.0, "give --torque-constant")) or None
-    return guesses, replace(given, gear_ratio=ratio, torque_constant=constant, shaft=shaft)
+    given = _with_constant(given) if "current" in named else given
+    return guesses, replace(given, gear_ratio=ratio, shaft=shaft)
+
+
+def _of_slide(given: Given, *, has_current: bool) -> Given:
+    """What is known of a slide: a way per turn and a torque constant if it ``has_current``, which they make a force."""
+    if not has_current:
+        return given
+    if given.travel_per_turn is None and (said := str(_ask(_TRAVEL, "", "give --travel-per-turn")).strip()):
+        try:
+            given = replace(given, travel_per_turn=options.length(said))
+        except typer.BadParameter as error:
+            raise InputError(f"init: {error.message}") from None
+    return _with_constant(given)
+
+
+def _with_constant(given: Given) -> Given:
+    """The same with the torque constant that is answered, if none was given."""
+    if given.torque_constant is not None:
+        return given
+    return replace(given, torque_constant=float(_ask(_CONSTANT, 0.0, "give --torque-constant")) or None)
 
 
 def _ask(question: str, usual: str | float, remedy: str = _GIVE_A_TRACE) -> str | float:

@@ -38,6 +38,8 @@ ema-twin init trace.csv -o press
 
 ema-twin init trace_*.csv -o press --gear-ratio 50 --torque-constant 0.8
 
+ema-twin init slide.csv -o slide --torque-constant 0.043 --travel-per-turn '5 mm'      (positions in mm, by a screw)
+
 ema-twin init trace.csv -o press --map my_map.yaml      (the model only)
 
 ema-twin init friction_curve.csv -o press --operating-points      (each row is steady)
@@ -69,7 +71,16 @@ def run(
         typer.Option(
             metavar="N_M_PER_A",
             parser=options.number(1e-6, options.LARGEST, "N m/A (of a linear machine N/A)"),
-            help="Torque (N m, or N) per ampere, from the motor's data sheet.",
+            help="Torque per ampere, from the motor's data sheet; of a linear motor its force in N.",
+        ),
+    ] = None,
+    travel_per_turn: Annotated[
+        float | None,
+        typer.Option(
+            metavar="LENGTH",
+            parser=options.length,
+            help="Way of a slide per turn of its motor, as in '5 mm': the lead of a screw, the circumference of a "
+            "belt's pulley or a rack's pinion, divided by the gear ratio. The torque constant is then in N m/A.",
         ),
     ] = None,
     import_map: Annotated[
@@ -98,6 +109,7 @@ def run(
     from ..model.model_file import check_model_name
     from ..new_machine.drafts import checked_drafts
     from ..new_machine.given import Given
+    from ..new_machine.lengths import told_of_turns
     from ..new_machine.other_traces import differing_columns
     from ..new_machine.told import assumed_units
 
@@ -109,7 +121,7 @@ def run(
     for path in files if import_map is None else files[1:]:
         if path.exists() and not force:
             raise InputError(f"{path}: exists already; give another name with -o, or --force to replace it")
-    given = Given(place.name, gear_ratio, torque_constant)
+    given = Given(place.name, gear_ratio, torque_constant, travel_per_turn=travel_per_turn)
     traces = traces or []
     if import_map is not None:
         _model_alone(traces, given, find_configuration("maps", import_map), files[1], force)
@@ -118,9 +130,9 @@ def run(
     if not traces:
         guesses, given = asked(given)
     else:
-        guesses, holed = _guessed(traces[0], gear_ratio, operating_points)
+        guesses, holed = _guessed(traces[0], given, operating_points)
         warn_of_contradicted_names(guesses)
-        for sentence in differing_columns(traces[0], guesses, traces[1:]):
+        for sentence in differing_columns(traces[0], guesses, traces[1:], slides=travel_per_turn is not None):
             warn(sentence)
     drafts = checked_drafts(guesses, given, traces)
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
@@ -135,7 +147,8 @@ def run(
             say(f"{column}: {reason}")
         warn_of_foreign_units(guesses)
         joint = (guesses.joint.sentence,) if guesses.joint.name else ()
-        rests_on = say_what_it_rests_on(*files, (*joint, *assumed_units(guesses), *drafts.assumed), drafts.known)
+        known = (*drafts.known, *told_of_turns(guesses, travel_per_turn))
+        rests_on = say_what_it_rests_on(*files, (*joint, *assumed_units(guesses), *drafts.assumed), known)
     for told in (*by_recording(drafts.warnings), *drafts.questions):
         warn(told)
     say_next(files, drafts, guesses, [quote(str(trace)) for trace in traces] or ["TRACE.csv"], holed, rests_on)
@@ -165,7 +178,7 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
     say_search(" ".join(quote(str(trace)) for trace in traces), map_file, place)
 
 
-def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Guesses, tuple[Guess, ...]]:
+def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple[Guess, ...]]:
     """Guess what the columns of a trace are; second, what the columns are that some cells without a number exclude.
 
     Rows are operating points if ``of_points`` says so, or if they look like it. Raises InputError if no column is
@@ -178,7 +191,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     from ema_bench_replay.traces.trace_table import read_table
 
     from ..new_machine.columns import guess_columns
-    from ..new_machine.lengths import how_to_use_length
+    from ..new_machine.lengths import at_the_slide, how_to_use_length
     from ..new_machine.rows import with_kind_of_rows
     from ..new_machine.sign_bits import how_to_decode
     from ..new_machine.turns import counted_on_turns
@@ -190,18 +203,22 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     no_numbers = {
         name: int(np.count_nonzero(np.isnan(column))) for name, column in numbers.items() if np.isnan(column).any()
     }
+    slides = given.travel_per_turn is not None
     try:
-        guesses = guess_columns(table.header, frozenset(no_numbers), numbers).timed_in_seconds(table.in_seconds)
+        guesses = guess_columns(table.header, frozenset(no_numbers), numbers, slides=slides)
     except InputError as error:
         raise InputError(f"{trace}: {error}") from None
+    guesses = at_the_slide(guesses.timed_in_seconds(table.in_seconds), given.travel_per_turn, numbers)
     try:
         guesses = with_kind_of_rows(guesses, numbers, of_points)
     except InputError as error:
         raise InputError(f"{trace}: header: no time column among {columns}; {error}") from None
-    guesses = with_units(*counted_on_turns(guesses, numbers), gear_ratio)
+    guesses = with_units(*counted_on_turns(guesses, numbers), given.gear_ratio)
     rows = len(table.columns[0])
     empty = frozenset(name for name, count in no_numbers.items() if count == rows)
-    holed = tuple(guess for guess in guess_columns(table.header, empty).signals if guess.column in no_numbers)
+    holed = tuple(
+        guess for guess in guess_columns(table.header, empty, slides=slides).signals if guess.column in no_numbers
+    )
     for name, count in no_numbers.items():
         if not name and count == rows:
             continue  # the empty column that a delimiter at the end of each line makes

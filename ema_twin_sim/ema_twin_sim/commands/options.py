@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 import os
+import re
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -20,6 +22,27 @@ LARGEST = 1e9
 def number(lower: float, upper: float, unit: str) -> Callable[[str], float]:
     """Parser of an option that takes a number in ``unit``; anything else is a usage error that states the bounds."""
     return _within(float, "number", lower, upper, f"give {lower:g} to {upper:g} {unit}")
+
+
+def length(text: str) -> float:
+    """Parser of an option that takes a length [m] with its unit; a number alone is in m, and below 1."""
+    from ema_bench_replay.units import units_of
+
+    units = units_of("output_position", "linear")
+    remedy = f"give a length with its unit, as in '5 mm' ({', '.join(units)})"
+    found = re.fullmatch(r"\s*([-+.\d]+(?:e[-+]?\d+)?)\s*(\S*)\s*", text, re.IGNORECASE)
+    try:
+        value, unit = (float(found[1]), found[2]) if found else (math.nan, "")
+    except ValueError:
+        value, unit = math.nan, ""
+    if math.isnan(value) or (unit and unit not in units):
+        raise typer.BadParameter(f"{text} is no length; {remedy}")
+    if not unit and value >= 1.0:
+        raise typer.BadParameter(f"{text} has no unit; {remedy}")
+    value *= units.get(unit, 1.0)
+    if not 1e-7 <= value <= 100.0:
+        raise typer.BadParameter(f"{text} is out of range; {remedy}, from 0.1 um to 100 m")
+    return value
 
 
 def bounded(metavar: str, lower: float, upper: float, unit: str, text: str) -> Any:

@@ -135,8 +135,13 @@ def _reasons(lines: Sequence[str], told: str) -> list[str]:
 
 def in_unit(guess: Guess) -> str:
     """The unit in which a column is read, in words."""
-    from ema_bench_replay.traces.header_words import COUNTS
+    from ema_bench_replay.traces.header_words import COUNTS, header_words
+    from ema_bench_replay.units import units_of
 
+    from ..new_machine.lengths import is_of_turns
+
+    if is_of_turns(guess.column) and guess.unit in units_of(guess.signal, "linear"):
+        return f" in {header_words(guess.column).unit}, as of the slide"
     if guess.unit == COUNTS:
         return f", {guess.counts:g} counts per turn" if guess.counts else ", counts per turn unknown"
     if guess.unit is None:

@@ -37,7 +37,7 @@ def unusual_sizes(recording: Recording, besides: Collection[str] = ()) -> Iterat
     for signal, (least, most, unit, other) in USUAL.items():
         if not recording.has(signal) or signal in besides:
             continue
-        largest = _largest(recording, signal)
+        largest = largest_of(recording, signal)
         if largest > most:
             yield (
                 f"{recording.name}: {signal} reaches {largest:.4g} {unit}, more than most drives ever do: is its "
@@ -59,10 +59,10 @@ def unusual_currents(recordings: Sequence[Recording], model: Model) -> tuple[str
     with_current = [r for r in recordings if r.has("current") and BY_TORQUE not in r.metadata]
     if not with_current or not model.is_open or model.constants["drive.current_limit"].source != ABSENT:
         return ()
-    most = max(with_current, key=lambda recording: _largest(recording, "current"))
+    most = max(with_current, key=lambda recording: largest_of(recording, "current"))
     if _suits_torque_constant(with_current, model):
         return ()
-    limit = float(f"{10.0 * _largest(most, 'current'):.1g}")
+    limit = float(f"{10.0 * largest_of(most, 'current'):.1g}")
     return tuple(
         f"{question} If not, write the limit of the drive's current into the model, under `drive:`, with the drive's "
         f"own number: `current_limit: {{value: {limit:.15g}, unit: A, source: given}}`"
@@ -80,13 +80,26 @@ def _suits_torque_constant(recordings: Sequence[Recording], model: Model) -> boo
     10 mA. Without a torque constant or a speed this is not known.
     """
     given = model.constants[TORQUE_CONSTANT]
-    fast = [_largest(recording, "speed") for recording in recordings if recording.has("speed")]
-    current = max(_largest(recording, "current") for recording in recordings)
+    fast = [largest_of(recording, "speed") for recording in recordings if recording.has("speed")]
+    current = max(largest_of(recording, "current") for recording in recordings)
     if given.source == ABSENT or not fast or not min(given.value, max(fast), current) > 0.0:
         return False
-    off = abs(math.log(given.value * max(fast) / current / WINDING["usual"]))
-    return off < 0.5 * math.log(WINDING["mistaken"])
+    return abs(_beside_usual_windings(given.value, max(fast), current)) < 0.5
 
 
-def _largest(recording: Recording, signal: str) -> float:
+def looks_too_small_for_a_winding(constant: float, speed: float, current: float) -> bool:
+    """Whether a motor of that constant [V s/rad, V s/m] induces too little at ``speed`` for one that takes ``current``.
+
+    False where one of them is zero.
+    """
+    return min(constant, speed, current) > 0.0 and _beside_usual_windings(constant, speed, current) < -0.5
+
+
+def _beside_usual_windings(constant: float, speed: float, current: float) -> float:
+    """How far induced voltage over current is from that of usual drives, in powers of a unit's mistake."""
+    return math.log(constant * speed / current / WINDING["usual"]) / math.log(WINDING["mistaken"])
+
+
+def largest_of(recording: Recording, signal: str) -> float:
+    """The largest magnitude of a signal."""
     return float(np.nanmax(np.abs(recording.signals[signal])))

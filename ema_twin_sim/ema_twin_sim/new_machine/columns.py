@@ -147,17 +147,21 @@ def guess_columns(
     no_numbers: frozenset[str] = frozenset(),
     numbers: Mapping[str, np.ndarray] | None = None,
     joint: str = "",
+    *,
+    slides: bool = False,
 ) -> Guesses:
     """Guess what each column of a header is.
 
     Columns in ``no_numbers`` are not used. ``numbers`` are the columns' values, (n,) each: of several positions whose
     names give no shaft, those that go with the speed most are the machine's, and of two that move together the one that
     goes farther is the motor's. If there are columns of several joints, those of ``joint`` are taken, else those of the
-    joint that goes farthest. Raises InputError if the time has no numbers.
+    joint that goes farthest. If the machine ``slides`` by a known way per turn of its motor, it is linear wherever a
+    unit of length is told, and columns of its motor's turns are used too. Raises InputError if the time has no numbers.
     """
     numbers = numbers or {}
     names = [header_words(name) for name in header]
-    linear = _is_linear(_telling(names, numbers))
+    telling = _telling(names, numbers)
+    linear = _is_linear(telling) or (slides and any(_is_length(read) for read in telling))
     names = [_settled(read, linear) for read in names]
     time = time_column(names, numbers)
     if time is not None and time.name in no_numbers:
@@ -172,7 +176,10 @@ def guess_columns(
     whole = {name: values for name, values in numbers.items() if name not in no_numbers}
     of_joint, usable = one_joint([_joint_column(read) for read in usable], whole, joint)
     other_motion = tuple(
-        read.name for read in usable if read.linear not in (None, linear) and signal_column(read) is not None
+        read.name
+        for read in usable
+        if (read.unit == COUNTS if slides and linear else read.linear not in (None, linear))
+        and signal_column(read) is not None
     )
     columns = [column for column in map(signal_column, usable) if column and column.name not in other_motion]
     taken, other_axes = choose_signals(columns, numbers, time)
@@ -274,6 +281,11 @@ def _is_linear(names: Sequence[HeaderWords]) -> bool:
             return any(told)
     doubted = [read for read in names if read.in_doubt and read.unit == "m"]
     return len(doubted) == 1 and has_word(doubted[0].words, SLIDES)  # several: m is a subscript for the motor
+
+
+def _is_length(read: HeaderWords) -> bool:
+    """Whether a name's unit is beyond doubt one of a slide's position or speed."""
+    return bool(read.linear) and not read.in_doubt and read.quantity in ("position", "speed")
 
 
 def _settled(read: HeaderWords, linear: bool) -> HeaderWords:

@@ -9,6 +9,7 @@ from ema_bench_replay.units import signal_unit
 
 from ..model.check_comment import CHECK, check_comment
 from .columns import Guess, Guesses
+from .lengths import is_of_turns
 from .shaft import Shaft
 
 ASSUMED_COUNTS = 4096
@@ -61,7 +62,7 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
         return check_comment("; ".join(filter(None, (at, of_shaft, guess.origin_doubt))))
 
     factor = -guess.factor if guess.turned_round else guess.factor
-    turned = "" if factor == 1.0 else f", factor: {factor:.6g}"
+    turned = "" if factor == 1.0 else f", factor: {_number(f'{factor:.9g}')}"
     magnitude = ", magnitude: true" if guess.magnitude else ""
     wraps = f", wraps_after: {_period(guess, motion)}" if guess.wraps_after else ""
     jumps = f"its jumps are those of a position that starts again after {wrapped_after(guess)}" if wraps else ""
@@ -71,6 +72,8 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
         why = "the output turns against the motor"
     sign = f"sign reversed: {why}" if guess.turned_round else ""
     shown = f"  # {sign}" if sign and not of_load else ""  # without a mark: the positions show it
+    if not shown and motion == "linear" and is_of_turns(guess.column):
+        shown = "  # of the motor, by the slide's way per turn"
     if guess.unit == COUNTS:
         unsure = guess.doubt if guess.counts else "give the counts per turn, all edges counted"
         doubt = look("; ".join(filter(None, (unsure, jumps))))
@@ -99,7 +102,13 @@ def _period(guess: Guess, motion: str) -> str:
     """The value of the key for a position that starts again, with a unit."""
     if guess.unit == COUNTS:
         return f"{{value: {(guess.wraps_after or 0.0) / (guess.counts or ASSUMED_COUNTS):.10g}, unit: rev}}"
-    return f"{{value: {guess.wraps_after:.10g}, unit: {guess.unit or signal_unit(guess.signal, motion)}}}"
+    unit = guess.unit or signal_unit(guess.signal, motion)
+    return f"{{value: {_number(f'{guess.wraps_after:.10g}')}, unit: {unit}}}"
+
+
+def _number(text: str) -> str:
+    """A number as YAML reads one: 9.0e-05, not 9e-05, which is a text to it."""
+    return text if "." in text else text.replace("e", ".0e")
 
 
 def _unit_doubt(column: str) -> str:

@@ -36,6 +36,13 @@ from .shaft import (
 )
 from .steps import common_step, is_decimal
 from .torque_constant import TorqueConstant, question_about, told_at_joint, torque_constant
+from .travel_per_turn import (
+    doubt_of_travel,
+    force_constant,
+    question_about_force,
+    question_about_turning,
+    refuse_what_does_not_fit,
+)
 from .usual_counts import usual_counts
 
 SMALLEST_STEP = "smallest step of the recording"
@@ -58,12 +65,13 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
     """YAML of a first model, in which everything is open that recordings can determine.
 
     Their motor position is that of its column, which is of that ``shaft``. Raises InputError if the given torque
-    constant is one that no motor has.
+    constant is one that no motor has, or what was given does not fit a machine of that motion.
     """
     recording = farthest(recordings)
+    refuse_what_does_not_fit(given, recording)
     motion = recording.motion
     inertia, viscous, dry = (1e-3, 0.01, 0.1) if motion == "rotary" else (1.0, 10.0, 1.0)
-    ratio = _ratio(recording, given.gear_ratio, shaft)
+    ratio = _ratio(recording, given, shaft)
     gear = shown_gear(recordings) if ratio is not None and ratio.source == ASSUMED else None
     if ratio is not None and gear is not None:
         ratio = replace(ratio, doubt="; ".join(filter(None, (gear.comment, ratio.doubt))))
@@ -76,7 +84,11 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
     turns = 1.0 if ratio is None else ratio.value
     at_motor = [_at_motor(each, turns, shaft) for each in recordings]
     fastest = max(map(fastest_motion, at_motor)) if recording.has("current") else 0.0
-    constant = torque_constant(given.torque_constant, at_motor)
+    too_small = question_about_force(given, fastest, at_motor) if motion == "linear" else ""
+    if motion == "linear" and given.torque_constant:
+        constant = force_constant(given.torque_constant, given.travel_per_turn, likely=not too_small)
+    else:
+        constant = torque_constant(given.torque_constant, at_motor)
     told = motion == "rotary" and constant.source != ASSUMED
     at_joint = told_at_joint(constant.value, turns, fastest) if told else ""
     of_motor = constant.value / (turns if at_joint else 1.0)
@@ -104,7 +116,11 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
     if given.torque_constant:
         remedy += f"; if it is in mN m/A, give {given.torque_constant / 1000.0:g}"
     assumed = (f"torque constant read as that of the joint, gear included: {at_joint} ({remedy})",) if at_joint else ()
-    question = question_about(given.torque_constant, turns, fastest, at_joint=bool(at_joint), motion=motion)
+    if given.travel_per_turn is None:
+        question = question_about(given.torque_constant, turns, fastest, at_joint=bool(at_joint), motion=motion)
+        question = question or too_small
+    else:
+        question = question_about_turning(given, fastest)
     questions = (question, _question_about_ratio(recording, given.gear_ratio, shaft), gear.question if gear else "")
     return ModelDraft("\n".join(lines) + "\n", assumed, tuple(filter(None, questions)))
 
@@ -159,9 +175,9 @@ class _Ratio:
         return f"  gear_ratio: {value}{check_comment(self.doubt)}"
 
 
-def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | None:
+def _ratio(recording: Recording, told: Given, shaft: Shaft) -> _Ratio | None:
     """The gear ratio: as given, else as position and speed or both positions show it, else 1 for a rotary machine."""
-    if given:
+    if given := told.gear_ratio:
         other = _other_ratio(recording, given, shaft)
         return _Ratio(given, "given", "" if other is None else f"both positions give {other:.4g}")
     if shaft.ratio is not None:
@@ -173,6 +189,8 @@ def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | 
         doubt = shaft.doubt_of_ratio
         if shown < 0.0:
             doubt = "the shafts turn in opposite directions: give the output's position `factor: -1` in the map"
+        elif told.travel_per_turn is not None:
+            doubt = doubt_of_travel(told.travel_per_turn, shown)
         elif abs(shown - 1.0) < ALIKE:
             doubt = "is the motor's position given as the output's? Then say `shaft: output` in the map"
         nearest = whole_ratio(shown, recording) if recording.motion == "rotary" else None

@@ -13,9 +13,10 @@ from ema_bench_replay.traces.trace_table import read_table
 from .columns import Guesses, guess_columns
 
 
-def differing_columns(first: Path, guesses: Guesses, others: Sequence[Path]) -> Iterator[str]:
+def differing_columns(first: Path, guesses: Guesses, others: Sequence[Path], *, slides: bool = False) -> Iterator[str]:
     """Yield a sentence for what a map of the ``first`` trace's columns does not read, or misses, in the ``others``.
 
+    Whether the machine ``slides`` by a known way per turn of its motor decides which columns are used.
     Raises InputError if another trace has the same signals under other names, so that the map would not find them.
     """
     wanted = {guess.signal: guess.column for guess in guesses.signals}
@@ -26,7 +27,7 @@ def differing_columns(first: Path, guesses: Guesses, others: Sequence[Path]) -> 
         missing = {signal: column for signal, column in wanted.items() if column not in table.header}
         numbers = dict(zip(table.header, table.columns, strict=True))
         empty = frozenset(name for name, column in numbers.items() if np.isnan(column).all())
-        theirs = guess_columns(table.header, empty, numbers, guesses.joint.name)
+        theirs = guess_columns(table.header, empty, numbers, guesses.joint.name, slides=slides)
         named = {guess.signal: guess.column for guess in theirs.signals}
         if theirs.time is not None:
             named["time"] = theirs.time.column

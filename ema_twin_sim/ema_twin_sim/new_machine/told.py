@@ -14,7 +14,8 @@ from ..model.model_file import ABSENT
 from ..quantities import quantity
 from .columns import Guess, Guesses
 from .model_draft import AS_FINE_AS_NOISE, LAST_DIGIT, ONE_AMPERE_IS
-from .torque_constant import TORQUE_OVER_CURRENT
+from .torque_constant import GIVEN, TORQUE_OVER_CURRENT
+from .travel_per_turn import READ_AS_FORCE
 
 _TOLD = {
     "machine.gear_ratio": "gear ratio",
@@ -48,12 +49,13 @@ def _found(model: Model, doubts: Mapping[str, str]) -> Iterator[tuple[str, str]]
     for path, name, value in _values(model):
         source = model.constants[path].source
         if source != ASSUMED and path not in doubts:
-            yield path, f"{name} {value}" + (f" ({TORQUE_OVER_CURRENT})" if source == TORQUE_OVER_CURRENT else "")
+            told = source == TORQUE_OVER_CURRENT or source.startswith(f"{GIVEN}: ")
+            yield path, f"{name} {value}" + (f" ({source})" if told else "")
 
 
 def _is_estimate(path: str, model: Model) -> bool:
     """Whether a number is neither given nor a count, and so has the uncertainty of what it was computed from."""
-    return not model.constants[path].source.startswith("given") and not path.endswith("_encoder_counts")
+    return not model.constants[path].source.startswith(GIVEN) and not path.endswith("_encoder_counts")
 
 
 def assumed(model: Model, doubts: Mapping[str, str]) -> list[str]:
@@ -69,14 +71,14 @@ def assumed(model: Model, doubts: Mapping[str, str]) -> list[str]:
 def doubts_of(model: Model, text: str, map_text: str) -> dict[str, str]:
     """By path, what is to be checked about a number that the ``text`` of a model or of its map marks.
 
-    What the user gave is not in doubt here: another sentence says what contradicts it.
+    What the user gave is not in doubt here but for its unit: another sentence says what contradicts it.
     """
     found = {}
     for path in _TOLD:
         key, counts = path.partition(".")[2], path.endswith("_encoder_counts")
         place = f"{key.removesuffix('_encoder_counts')}_position: .*counts_per_revolution" if counts else f"{key}:"
         mark = re.search(rf"^ *{place}.*# {CHECK}: (.*)$", map_text if counts else text, re.MULTILINE)
-        if mark and not model.constants[path].source.startswith("given"):
+        if mark and (mark[1].startswith(READ_AS_FORCE) or not model.constants[path].source.startswith(GIVEN)):
             found[path] = mark[1]
     return found
 

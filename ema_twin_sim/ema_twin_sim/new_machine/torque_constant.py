@@ -22,8 +22,13 @@ from ..model.model_file import TORQUE_CONSTANT
 from .shaft import GEARED
 from .torque_beside_current import proportion
 
+GIVEN = "given"
+"""The source of what the user said, or its beginning."""
+
 TORQUE_OVER_CURRENT = "torque over current of the recording"
 """The source of a torque constant that two columns show."""
+
+AT_OUTPUT = "if it is given at the output of a gear, give --gear-ratio"
 
 RATED_SPEED = 1000.0 * 2.0 * math.pi / 60.0
 """rad/s, the lowest rated speed of motors behind a gear."""
@@ -44,7 +49,7 @@ def torque_constant(given: float | None, recordings: Sequence[Recording]) -> Tor
     thing in two units. Where more of the torque is left, it tells nothing.
     """
     if given:
-        return TorqueConstant(given, "given")
+        return TorqueConstant(given, GIVEN)
     found, bounds = proportion(recordings), CONSTANTS[TORQUE_CONSTANT]
     if found is None or found.left > SMALL or not bounds.lower <= abs(found.factor) <= bounds.upper:
         return TorqueConstant(1.0, ASSUMED, REMEDIES[TORQUE_CONSTANT])
@@ -68,11 +73,18 @@ def told_at_joint(torque_constant: float, gear_ratio: float, motor_speed: float)
 
 
 def question_about(
-    torque_constant: float | None, gear_ratio: float, motor_speed: float, *, at_joint: bool, motion: str
+    torque_constant: float | None,
+    gear_ratio: float,
+    motor_speed: float,
+    *,
+    at_joint: bool,
+    motion: str,
+    if_turning: str = AT_OUTPUT,
 ) -> str:
     """A question about a torque constant [N m/A, N/A] that hardly any motor has; empty if there is none.
 
     ``motor_speed`` [rad/s, m/s] is the highest that was recorded; a constant ``at_joint`` includes the gear ratio.
+    ``if_turning`` tells what else may be wrong of a motor that turns without a gear.
     Raises InputError if no motor has it.
     """
     if torque_constant is None:
@@ -89,7 +101,7 @@ def question_about(
     )
     other = f"if it is in m{unit}, give {torque_constant / 1000.0:g}"
     if gear_ratio < GEARED and motion == "rotary":
-        other += "; if it is given at the output of a gear, give --gear-ratio"
+        other += f"; {if_turning}"
     if motors * speed > TOO_MUCH * BUS:
         raise InputError(f"{why}; {other}")
     return f"{why}: is that right? {other[:1].upper()}{other[1:]}"
