@@ -227,6 +227,8 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
         )
     for sentence in how_to_decode(guesses.sign_bits):
         say(sentence)
+    for name, difference in guesses.control_errors.items():
+        say(f"{name}: not used, since it is {difference}: a control error")
     if angles := guesses.phase_angles:
         say(
             f"{', '.join(angles)}: not used, since power analysers give the angle between voltage and current so (if "

@@ -55,6 +55,11 @@ def say_unused(guesses: Guesses, columns: Sequence[str]) -> None:
     """Print why those of the ``columns`` that may be meant are not used: their unit, or another column."""
     from ..new_machine.unused_columns import beside_those_taken, with_unknown_units
 
+    if electrical := guesses.electrical:
+        say(
+            f"Not used, since their numbers are the voltages and powers of a power analyser: {_shortened(electrical)} "
+            "(if one is a shaft's, say so in its name, as in 'motor speed [rpm]', and run init again)"
+        )
     units = with_unknown_units(columns)
     if units:
         say(

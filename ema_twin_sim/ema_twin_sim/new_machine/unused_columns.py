@@ -23,7 +23,7 @@ def beside_those_taken(guesses: Guesses, columns: Collection[str]) -> list[str]:
     if guesses.joint.name:
         return []
     told = {*guesses.other_motion, *guesses.other_axes, *guesses.row_counters, *guesses.clock_counters}
-    told |= {guess.column for guess in guesses.other_torques}
+    told |= {*guesses.electrical, *guesses.control_errors, *(guess.column for guess in guesses.other_torques)}
     taken = {header_words(guess.column).quantity or _quantity(guess.column) for guess in guesses.signals}
     return [name for name in columns if name not in told and _quantity(name) in taken]
 
