@@ -41,6 +41,11 @@ def test_positions_that_are_no_difference_are_used():
     assert found["motor_position"] == "motor position [rad]" and found["output_position"] == "joint position [rad]"
 
 
+def test_what_follows_the_command_behind_a_gear_of_two_is_used():
+    columns = logged(**{"motor position [rad]": 2.0 * ANGLE, "angle command [rad]": ANGLE})
+    assert taken(columns)["output_position"] == "joint position [rad]"
+
+
 def test_a_share_of_a_torque_comes_after_the_whole():
     columns = logged(**{"torKdEst [N m]": 1e5 * SPEED, "torEst [N m]": CURRENT})
     assert taken(columns)["motor_torque"] == "torEst [N m]"

@@ -227,6 +227,11 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
         )
     for sentence in how_to_decode(guesses.sign_bits):
         say(sentence)
+    for name, why in guesses.lost_commands.items():
+        say(
+            f"{name}: not used, since {why} (if it commands the output's position, add its unit to the name, as in "
+            f"'{name} [deg]', and run init again)"
+        )
     for name, difference in guesses.control_errors.items():
         say(f"{name}: not used, since it is {difference}: a control error")
     if angles := guesses.phase_angles:

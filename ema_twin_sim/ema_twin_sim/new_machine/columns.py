@@ -97,6 +97,7 @@ class Guesses:
     sign_bits: Mapping[str, int] = field(default_factory=dict)  # columns not used since this bit is a sign
     phase_angles: tuple[str, ...] = ()  # columns not used since they are angles between voltage and current
     electrical: tuple[str, ...] = ()  # columns not used since a power analyser's voltages and powers are named so
+    lost_commands: Mapping[str, str] = field(default_factory=dict)  # commanded positions not used, and why
     control_errors: Mapping[str, str] = field(default_factory=dict)  # not used: that of these, in words
 
     @property
@@ -174,11 +175,12 @@ def guess_columns(
     analysed = analysers_columns([read for read in names if read.name not in no_numbers], numbers)
     electrical = tuple(name for family in analysed.values() for name in family)
     angles, signs = phase_angles(names, analysed), sign_bits(names, numbers)
-    errors = control_errors([read for read in names if read.name not in no_numbers], numbers)
-    unusable = {*no_numbers, *counters, *clocks, *angles, *signs, *electrical, *errors}
+    unusable = {*no_numbers, *counters, *clocks, *angles, *signs, *electrical}
     usable = [read for read in names if read.name not in unusable]
     whole = {name: values for name, values in numbers.items() if name not in no_numbers}
     of_joint, usable = one_joint([_joint_column(read) for read in usable], whole, joint)
+    errors = control_errors(usable, numbers)
+    usable = [read for read in usable if read.name not in errors]
     other_motion = tuple(
         read.name for read in usable if read.linear not in (None, linear) and signal_column(read) is not None
     )

@@ -9,7 +9,7 @@ import numpy as np
 
 from ema_bench_replay.traces.header_words import HeaderWords
 
-from ..criteria import NEGLIGIBLE
+from ..criteria import NEGLIGIBLE, SMALL
 from .signal_columns import Column, signal_column
 
 _CONTROLLED = ("position", "speed")
@@ -37,13 +37,17 @@ def _is_given_alike(one: Column, other: Column) -> bool:
 
 
 def _is_difference(error: np.ndarray, command: np.ndarray, measured: np.ndarray) -> bool:
-    """Whether values (n,) are the command minus the measured ones, or the reverse, and all three change."""
+    """Whether values (n,) are the command minus the measured ones, or the reverse, and all three change.
+
+    What follows the command is measured: behind a gear of ratio 2 it is the motor's position minus the command too.
+    """
     known = np.isfinite(error) & np.isfinite(command) & np.isfinite(measured)
     values = [each[known] for each in (error, command, measured)]
     if not known.any() or min(float(np.ptp(each)) for each in values) == 0.0:
         return False
     error, command, measured = values
-    if np.ptp(error) > np.ptp(measured):
+    follows = float(np.abs(command - error).max()) < SMALL * float(np.ptp(command))
+    if follows or np.ptp(error) > np.ptp(measured):
         return False
     off = min(float(np.abs(command - measured - sign * error).max()) for sign in (1.0, -1.0))
     return off < NEGLIGIBLE * float(np.ptp(error))

@@ -41,7 +41,10 @@ def part_of(read: HeaderWords, quantity: str | None, *, load: bool = True) -> tu
 
 
 def part_in_the_name(part: Sequence[str], name: str) -> str:
-    """A part's words as they are written in a column's name."""
+    """A part's words as they are written in a column's name: ``EccA-1`` if only hyphens part them there, else apart."""
+    row = "-?".join(map(re.escape, part))
+    if part and (found := re.search(rf"(?<![A-Za-z0-9]){row}(?![A-Za-z0-9])", name, re.IGNORECASE)):
+        return found[0]
     return " ".join(_as_written(word, name) for word in part)
 
 

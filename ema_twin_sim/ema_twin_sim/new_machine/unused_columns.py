@@ -19,11 +19,16 @@ def with_unknown_units(columns: Collection[str]) -> list[str]:
 
 
 def beside_those_taken(guesses: Guesses, columns: Collection[str]) -> list[str]:
-    """Those of the columns that measure what another column was taken for; none if these are several joints'."""
-    if guesses.joint.name:
+    """Those of the columns that measure or command what another column was taken for.
+
+    Of several joints, those whose names have the words of the joint that was taken; none if it has only a number.
+    """
+    if guesses.joint.name.isdigit():
         return []
+    columns = [name for name in columns if _apart(guesses.joint.name) in _apart(name)]
     told = {*guesses.other_motion, *guesses.other_axes, *guesses.row_counters, *guesses.clock_counters}
-    told |= {*guesses.electrical, *guesses.control_errors, *(guess.column for guess in guesses.other_torques)}
+    told |= {*guesses.electrical, *guesses.control_errors, *guesses.lost_commands}
+    told |= {guess.column for guess in guesses.other_torques}
     taken = {header_words(guess.column).quantity or _quantity(guess.column) for guess in guesses.signals}
     return [name for name in columns if name not in told and _quantity(name) in taken]
 
@@ -32,8 +37,12 @@ def _of_no_signal(unit: str) -> bool:
     return re.fullmatch(f"{POWER_UNIT}|{ACCELERATION_UNIT}", unit) is not None
 
 
+def _apart(name: str) -> str:
+    """A name with single blanks between its words and at both ends; one blank if it is empty."""
+    return " ".join(["", *re.findall(r"[^\W_]+", name), ""]) or " "
+
+
 def _quantity(name: str) -> str:
-    """What a column measures; empty if it measures no signal, or commands one."""
-    read = header_words(name)
-    column = signal_column(read)
-    return "" if column is None or column.setpoint else column.quantity
+    """What a column measures or commands; empty if that is no signal."""
+    column = signal_column(header_words(name))
+    return "" if column is None else column.quantity
