@@ -16,6 +16,7 @@ from . import options
 from .asked_machine import LEAST_RATIO, MOST_RATIO, asked
 from .output import say, warn
 from .shown_draft import (
+    ask_for_motion,
     in_unit,
     say_next,
     say_search,
@@ -183,6 +184,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     from ..new_machine.sign_bits import how_to_decode
     from ..new_machine.turns import counted_on_turns
     from ..new_machine.units_by_numbers import with_units
+    from ..new_machine.unused_columns import that_may_be_motion
 
     table = read_table(trace, needed=lambda header: ())
     columns = ", ".join(filter(None, table.header))[:150]
@@ -246,7 +248,10 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
             "in 'motor position', and run init again)"
         )
     runs = run_columns(guesses.left)
-    say_unused(guesses, [name for name in guesses.left if name and name not in {*no_numbers, *runs}])
+    unused = [name for name in guesses.left if name and name not in {*no_numbers, *runs}]
+    say_unused(guesses, unused)
+    if guesses.signals and (unread := that_may_be_motion(guesses, unused, numbers)):
+        ask_for_motion(unread)
     for name in runs:
         count = count_of_runs(numbers[name])
         if count > 1:

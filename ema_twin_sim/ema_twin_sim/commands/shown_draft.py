@@ -74,6 +74,17 @@ def say_unused(guesses: Guesses, columns: Sequence[str]) -> None:
         )
 
 
+def ask_for_motion(unread: Sequence[str]) -> None:
+    """Ask whether columns whose names tell nothing are a position or a speed, which no other column is."""
+    one = len(unread) == 1
+    unclear = "its name does not tell what it is" if one else "their names do not tell what they are"
+    question = "is it one?" if one else "is one of them?"
+    say(
+        f"{_shortened(unread)}: not read, since {unclear}, and no position or speed was found: {question} "
+        "Then say so in its name, as in 'motor position [deg]' or 'motor speed [rpm]', and run init again"
+    )
+
+
 def _shortened(names: Sequence[str]) -> str:
     more = f" and {len(names) - _MOST_COLUMNS} more" if len(names) > _MOST_COLUMNS else ""
     return f"{', '.join(names[:_MOST_COLUMNS])}{more}"

@@ -49,9 +49,9 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
     seconds = (time - time[0]) * TIME_UNITS[time_unit] * 1e-9
     changed: dict[str, Guess] = {}
     output = known.get("output_position")
-    told = [each for each in (position, output) if each is not None and not is_open(each)]
-    if gear_ratio is None and len(told) > 1:
-        ratio = steady(*differences(*(numbers[each.column] * radians(each) for each in told)))
+    sized = [each for each in (position, output) if each is not None and not is_open(each)]
+    if gear_ratio is None and len(sized) > 1:
+        ratio = steady(*differences(*(numbers[each.column] * radians(each) for each in sized)))
         gear_ratio = abs(ratio) if ratio is not None else None
     if position is not None and speed is not None:
         ways = _ways(numbers[position.column], numbers[speed.column], seconds)
