@@ -29,3 +29,13 @@ def test_many_are_counted(drafted):
     columns = {"position (mm)": np.sin(3.0 * TIME), "force (N)": FORCE}
     columns |= {f"share_{k} (%)": FORCE for k in range(10)}
     assert "share_7 (%) and 2 more (if one" in drafted({"time (s)": TIME, **columns}).said
+
+
+def test_what_may_be_the_motion_is_asked_about(drafted):
+    columns = {"t": TIME, "r": np.sign(SPEED), "y": np.sin(3.0 * TIME), "u": FORCE, "status": FORCE, "z": 0.0 * TIME}
+    assert "r, y: not read, since their names do not tell what they are" in drafted(columns).said
+    del columns["r"]
+    said = drafted(columns).said
+    assert "y: not read, since its name does not tell what it is, and no position or speed was found: is it one" in said
+    assert "'motor position [deg]' or 'motor speed [rpm]'" in said
+    assert "not read" not in drafted({**columns, "angle": SPEED}).said

@@ -16,6 +16,7 @@ from . import options
 from .asked_machine import LEAST_RATIO, MOST_RATIO, asked
 from .output import say, warn
 from .shown_draft import (
+    ask_for_motion,
     in_unit,
     say_next,
     say_search,
@@ -196,6 +197,7 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
     from ..new_machine.sign_bits import how_to_decode
     from ..new_machine.turns import counted_on_turns
     from ..new_machine.units_by_numbers import with_units
+    from ..new_machine.unused_columns import that_may_be_motion
 
     table = read_table(trace, needed=lambda header: ())
     columns = ", ".join(filter(None, table.header))[:150]
@@ -244,6 +246,13 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
         )
     for sentence in how_to_decode(guesses.sign_bits):
         say(sentence)
+    for name, why in guesses.lost_commands.items():
+        say(
+            f"{name}: not used, since {why} (if it commands the output's position, add its unit to the name, as in "
+            f"'{name} [deg]', and run init again)"
+        )
+    for name, difference in guesses.control_errors.items():
+        say(f"{name}: not used, since it is {difference}: a control error")
     if angles := guesses.phase_angles:
         say(
             f"{', '.join(angles)}: not used, since power analysers give the angle between voltage and current so (if "
@@ -256,7 +265,10 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
             "in 'motor position', and run init again)"
         )
     runs = run_columns(guesses.left)
-    say_unused(guesses, [name for name in guesses.left if name and name not in {*no_numbers, *runs}])
+    unused = [name for name in guesses.left if name and name not in {*no_numbers, *runs}]
+    say_unused(guesses, unused)
+    if guesses.signals and (unread := that_may_be_motion(guesses, unused, numbers)):
+        ask_for_motion(unread)
     for name in runs:
         count = count_of_runs(numbers[name])
         if count > 1:

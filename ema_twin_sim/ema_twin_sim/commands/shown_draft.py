@@ -55,6 +55,11 @@ def say_unused(guesses: Guesses, columns: Sequence[str]) -> None:
     """Print why those of the ``columns`` that may be meant are not used: their unit, or another column."""
     from ..new_machine.unused_columns import beside_those_taken, with_unknown_units
 
+    if electrical := guesses.electrical:
+        say(
+            f"Not used, since their numbers are the voltages and powers of a power analyser: {_shortened(electrical)} "
+            "(if one is a shaft's, say so in its name, as in 'motor speed [rpm]', and run init again)"
+        )
     units = with_unknown_units(columns)
     if units:
         say(
@@ -67,6 +72,17 @@ def say_unused(guesses: Guesses, columns: Sequence[str]) -> None:
             f"Not used, since other columns are read in their place: {_shortened(others)} (if one is meant, remove the "
             "column that was taken, and run init again)"
         )
+
+
+def ask_for_motion(unread: Sequence[str]) -> None:
+    """Ask whether columns whose names tell nothing are a position or a speed, which no other column is."""
+    one = len(unread) == 1
+    unclear = "its name does not tell what it is" if one else "their names do not tell what they are"
+    question = "is it one?" if one else "is one of them?"
+    say(
+        f"{_shortened(unread)}: not read, since {unclear}, and no position or speed was found: {question} "
+        "Then say so in its name, as in 'motor position [deg]' or 'motor speed [rpm]', and run init again"
+    )
 
 
 def _shortened(names: Sequence[str]) -> str:

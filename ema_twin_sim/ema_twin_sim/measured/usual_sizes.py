@@ -20,6 +20,8 @@ from ..model.model_file import ABSENT, TORQUE_CONSTANT
 USUAL: dict[str, tuple[float, float, str, str]] = {
     "current": (0.02, 100.0, "A", "mA"),
     "speed": (0.0, 2500.0, "rad/s", "rpm"),
+    "motor_torque": (0.0, 1e4, "N m", "mN m"),
+    "load_torque": (0.0, 1e4, "N m", "mN m"),
 }
 """By signal: usual lower and upper limit of its largest value, its unit, and the unit it is mistaken for."""
 WINDING: dict[str, float] = {"usual": 4.0, "mistaken": 1000.0}

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from ema_bench_replay.traces.header_words import header_words
 
-from .column_words import ACTUAL, ENCODER, FILTERED, MOTOR, OUTPUT, SETPOINT, STEMS, SYMBOLS
+from .column_words import ACTUAL, ENCODER, FILTERED, MOTOR, OUTPUT, PRESENT, SETPOINT, STEMS, SYMBOLS
 
 
 def has_word(words: Sequence[str], pattern: str) -> bool:
@@ -17,10 +17,24 @@ def has_word(words: Sequence[str], pattern: str) -> bool:
 
 def word_quantity(words: Sequence[str]) -> str | None:
     """The quantity that the words give; a position with a dot is a speed."""
+    words = _without_present(words)
     symbols = [word for word in words if not _only_numbers(word, words)]
     by_symbol = next((quantity for word in symbols for quantity, known in SYMBOLS.items() if word in known), None)
     found = next((quantity for quantity, pattern in STEMS.items() if has_word(words, pattern)), by_symbol)
     return "speed" if found == "position" and "dot" in words else found
+
+
+def _without_present(words: Sequence[str]) -> Sequence[str]:
+    """The words without one that tells the present value of the position or speed named next, as in ``curr_pos``."""
+    moves = f"{STEMS['speed']}|{STEMS['position']}"
+
+    def tells_present(place: int) -> bool:
+        """Whether the word there is such a one."""
+        after = "".join(words[place + 1 : place + 2])
+        is_motion = re.search(moves, after) is not None and re.search(ENCODER, after) is None
+        return is_motion and re.search(PRESENT, words[place]) is not None
+
+    return [word for place, word in enumerate(words) if not tells_present(place)]
 
 
 def _only_numbers(letter: str, words: Sequence[str]) -> bool:

@@ -10,7 +10,7 @@ STEMS: dict[str, str] = {
     "temperature": r"^temp",
     "torque": r"torque|moment(?!um)|force|kraft|^(set|ref|cmd|act|meas)?trq|^tau$|effort|^couple|^coppia|^par$|^forza$"
     r"|^fuerza$",
-    "current": r"current|strom|^amps?$|^(set|ref|cmd|act|meas)?cur$|^courant|^corr?iente|^corrente",
+    "current": r"current|strom|^amps?$|^(set|ref|cmd|act|meas|mot)?curr?$|^strm$|^courant|^corr?iente|^corrente",
     "voltage": r"volt|spannung",
     "speed": r"speed|veloc|drehzahl|geschwind|omega|^(set|ref|cmd|act|meas)?(vel|rpm|spd)$|^vitesse|^vit$|^regime$"
     r"|^giri$",
@@ -19,6 +19,9 @@ STEMS: dict[str, str] = {
     "power": r"power|leistung|^watts?$|^puissance$|^potenza$|^potencia$",
 }
 """Parts of words that determine a quantity, in the order in which they are looked for."""
+
+PRESENT = r"^(current|curr?)$"
+"""Words that before a position or a speed mean its present value, as in ``Current Position``, and no current."""
 
 ENCODER = r"encoder|geber|^enc$|codeur"
 
@@ -42,8 +45,8 @@ ESTIMATED = r"^est$|^estimate[ds]?$|^estimation$|^geschaetzt"
 """Words for what the drive estimates, mostly from its currents."""
 COMPUTED = r"^calc$|^calculated$|^computed$|^berechnet"
 """Words for what a controller computed: taken only if nothing that the drive reports is there."""
-SHARE = r"^gravit|^friction|^damping$|^viscous$|^coulomb$|^inertial?$|^coriolis$|^centri|^reibung|^schwer"
-"""Words for one share of a torque, which a model computes: taken only if the whole of it is not there."""
+SHARE = r"^k[pid]$|^gravit|^friction|^damping$|^viscous$|^coulomb$|^inertial?$|^coriolis$|^centri|^reibung|^schwer"
+"""Words for one share of a torque, which a model or a controller computes: taken only if the whole is not there."""
 OUTPUT = (
     r"output|abtrieb|^load|^last(?!_)|^link|^joint|^arm(?!a)|^slow$|second|^out$|^(l|o|2)$|brake|bremse|dyno"
     r"|^sortie|^charge$|^uscita|^carico|^salida|^carga$"
@@ -55,7 +58,8 @@ MOTOR_ITSELF = r"motor|rotor|antrieb|^moteur|^mot$"
 NUMBERED = r"^(axis|achse|odrive|moteus)$"
 """Words before a number that tells which of several drives it is, and neither its motor nor its output."""
 NO_SIGNAL = (
-    r"error|fehler|deviat|abweich|limit|grenz|ripple|accel|^acc[xyz]?$|beschleun|vibration|status|^(mode|flags?|ddot|max|min|dc|udc|idc)$"
+    r"error|err$|fehler|deviat|abweich|limit|grenz|ripple|accel|^acc[xyz]?$|beschleun|vibration|status"
+    r"|^(mode|flags?|ddot|max|min|dc|udc|idc)$"
     r"|zwischenkreis|^bus$|supply|^(id|isd)$|offset"
 )
 DUTY = r"^pwm|^duty|^tastgrad|^tastverh"
@@ -69,6 +73,8 @@ SUPPLY = r"supply|^(dc|bus|battery|batt)$|zwischenkreis|versorg"
 TRANSDUCER = r"^sensor|transducer|^cell$|loadcell|messwelle|dehn|strain|^tr[sd]$|^futek$|^kistler$|^hbm$"
 """Names of transducers, with those of usual series (TRS605, TRD605) and makers, that measure the torque behind a
 machine whose current or own torque is measured too."""
+INERTIAL = r"^imus?$|^gyro|^ahrs$"
+"""Names of inertial sensors, whose turning is that of what they are fixed to: taken only if no shaft's is there."""
 TOOL = r"^(tcp|tool|flange|cartesian|cart|eef|wrench)$"
 """Names of what a robot holds at its end: its pose and the force on it are of all joints together."""
 FILTERED = r"^filt|smooth|geglaett"

@@ -20,10 +20,12 @@ from ema_bench_replay.units import units_of
 from .clock_counters import clock_counters
 from .column_quantity import contradicted_quantity, has_word, word_quantity
 from .column_words import MOTOR_ITSELF, OUTPUT, SLIDES
+from .control_errors import control_errors
 from .joints import ONE_JOINT, Joint, JointColumn, one_joint
 from .never_changing import never_changes
 from .part_names import without_lone_letters
 from .phase_angles import phase_angles
+from .power_analyser import analysers_columns
 from .row_counters import row_counters
 from .sign_bits import sign_bits
 from .signal_columns import choose_signals, drive_command, other_torques, signal_column, supply_current
@@ -94,6 +96,9 @@ class Guesses:
     clock_counters: tuple[str, ...] = ()  # columns not used since they count time
     sign_bits: Mapping[str, int] = field(default_factory=dict)  # columns not used since this bit is a sign
     phase_angles: tuple[str, ...] = ()  # columns not used since they are angles between voltage and current
+    electrical: tuple[str, ...] = ()  # columns not used since a power analyser's voltages and powers are named so
+    lost_commands: Mapping[str, str] = field(default_factory=dict)  # commanded positions not used, and why
+    control_errors: Mapping[str, str] = field(default_factory=dict)  # not used: that of these, in words
 
     @property
     def drives(self) -> bool:
@@ -171,10 +176,15 @@ def guess_columns(
     names = [*without_lone_letters([read for read in names if read is not time])]
     counters = row_counters(names, numbers, time)
     clocks = clock_counters([read for read in names if read.name not in {*no_numbers, *counters}], numbers, time)
-    angles, signs = phase_angles(names), sign_bits(names, numbers)
-    usable = [read for read in names if read.name not in {*no_numbers, *counters, *clocks, *angles, *signs}]
+    analysed = analysers_columns([read for read in names if read.name not in no_numbers], numbers)
+    electrical = tuple(name for family in analysed.values() for name in family)
+    angles, signs = phase_angles(names, analysed), sign_bits(names, numbers)
+    unusable = {*no_numbers, *counters, *clocks, *angles, *signs, *electrical}
+    usable = [read for read in names if read.name not in unusable]
     whole = {name: values for name, values in numbers.items() if name not in no_numbers}
     of_joint, usable = one_joint([_joint_column(read) for read in usable], whole, joint)
+    errors = control_errors(usable, numbers)
+    usable = [read for read in usable if read.name not in errors]
     other_motion = tuple(
         read.name
         for read in usable
@@ -224,6 +234,8 @@ def guess_columns(
         row_counters=counters,
         clock_counters=clocks,
         phase_angles=angles,
+        electrical=electrical,
+        control_errors=errors,
         sign_bits=signs,
     )
 

@@ -25,7 +25,7 @@ def part_of(read: HeaderWords, quantity: str | None, *, load: bool = True) -> tu
     whether ``l`` is the load's side; beside ``r`` it is the left.
     """
     words = [*read.words, read.foreign] if read.foreign.isdigit() else [*read.words]
-    symbol = None if _is_told(read) else next((word for word in words if word in SYMBOLS.get(quantity or "", ())), None)
+    symbol = None if is_told(read) else next((word for word in words if word in SYMBOLS.get(quantity or "", ())), None)
     of_current = quantity in ("current", "voltage")
     return tuple(
         word
@@ -41,7 +41,10 @@ def part_of(read: HeaderWords, quantity: str | None, *, load: bool = True) -> tu
 
 
 def part_in_the_name(part: Sequence[str], name: str) -> str:
-    """A part's words as they are written in a column's name."""
+    """A part's words as they are written in a column's name: ``EccA-1`` if only hyphens part them there, else apart."""
+    row = "-?".join(map(re.escape, part))
+    if part and (found := re.search(rf"(?<![A-Za-z0-9]){row}(?![A-Za-z0-9])", name, re.IGNORECASE)):
+        return found[0]
     return " ".join(_as_written(word, name) for word in part)
 
 
@@ -60,10 +63,15 @@ def without_lone_letters(names: Sequence[HeaderWords]) -> Iterator[HeaderWords]:
     for read, quantity, part in zip(names, told, parts, strict=True):
         letter = next((word for word in read.words if word in SYMBOLS.get(quantity or "", ())), "")
         strange = [word for word in part if not word.isdigit() and not re.search(OF_A_SYMBOL, word)]
-        if len(letter) != 1 or _is_told(read) or read.foreign or not strange or len(quantities[part]) > 1:
+        if len(letter) != 1 or is_told(read) or read.foreign or not strange or len(quantities[part]) > 1:
             yield read
         else:
             yield replace(read, words=tuple(word for word in read.words if word != letter))
+
+
+def is_told(read: HeaderWords) -> bool:
+    """Whether a unit or a whole word tells the quantity, so that no symbol is needed."""
+    return read.quantity is not None or has_word(read.words, "|".join(STEMS.values()))
 
 
 def _as_written(word: str, name: str) -> str:
@@ -71,8 +79,3 @@ def _as_written(word: str, name: str) -> str:
     apart = re.search(rf"(?<![a-z]){re.escape(word)}(?![a-z])", name, re.IGNORECASE)
     found = apart or re.search(re.escape(word), name, re.IGNORECASE)
     return found[0] if found else word
-
-
-def _is_told(read: HeaderWords) -> bool:
-    """Whether a unit or a whole word tells the quantity, so that no symbol is needed."""
-    return read.quantity is not None or has_word(read.words, "|".join(STEMS.values()))

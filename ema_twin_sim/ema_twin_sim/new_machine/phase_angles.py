@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from ema_bench_replay.traces.header_words import HeaderWords
 
@@ -13,13 +13,14 @@ from .column_words import BETWEEN_VOLTAGE_AND_CURRENT, REACTIVE_OR_APPARENT
 _SYMBOL = "phi"
 
 
-def phase_angles(names: Sequence[HeaderWords]) -> tuple[str, ...]:
+def phase_angles(names: Sequence[HeaderWords], families: Collection[tuple[str, ...]] = ()) -> tuple[str, ...]:
     """The names of columns that hold such angles.
 
     They say so, or ``PHI`` stands where another column, such as ``PA1_S_2 [VA]`` beside ``PA1_PHI_2``, has the symbol
-    of a reactive or apparent power. Nothing that turns has these powers; one in W may be a shaft's.
+    of a reactive or apparent power by its unit, or with other words of the ``families`` of an analyser's columns.
+    Nothing that turns has these powers; one in W may be a shaft's.
     """
-    beside = {rest for read in names if _is_power(read) for rest in _without_a_word(read.words)}
+    beside = {rest for read in names if _is_power(read) for rest in _without_a_word(read.words)} | {*families}
     return tuple(
         read.name
         for read in names

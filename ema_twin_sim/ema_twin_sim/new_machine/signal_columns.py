@@ -23,6 +23,7 @@ from .column_words import (
     FEEDFORWARD,
     FILTERED,
     FLOW_UNIT,
+    INERTIAL,
     MOTOR,
     MOVED,
     NO_SIGNAL,
@@ -33,10 +34,12 @@ from .column_words import (
     SETPOINT,
     SHARE,
     SUPPLY,
+    SYMBOLS,
     TRANSDUCER,
 )
 from .joints import likeness, travel
 from .never_changing import never_changes, zero_all_along
+from .part_names import is_told
 from .position_beside_speed import going_with_speed
 
 
@@ -107,7 +110,14 @@ def choose_signals(
     def of(quantity: str, *, setpoint: bool = False) -> list[Column]:
         found = [c for c in columns if c.quantity == quantity and c.setpoint == setpoint and c not in taken.values()]
         found.sort(
-            key=lambda c: (has_word(c.read.words, FILTERED), c.shaft == "output", is_a_letter(c.read), not c.actual)
+            key=lambda c: (
+                has_word(c.read.words, FILTERED),
+                _is_of_another_sensor(c),
+                _by_a_letter(c),
+                c.shaft == "output",
+                c.shaft != "motor",
+                not c.actual,
+            )
         )
         return sorted(found, key=lambda c: _is_idle(c, numbers))
 
@@ -143,7 +153,15 @@ def choose_signals(
     named = any(c.shaft == "motor" for c in positions)
     elsewhere = [] if named else _of_other_axes(unsaid, taken.get("speed"), time, numbers)
     if numbers:
-        unsaid.sort(key=lambda c: (has_word(c.read.words, FILTERED), c in elsewhere, -travel(c.read, numbers)))
+        unsaid.sort(
+            key=lambda c: (
+                has_word(c.read.words, FILTERED),
+                c in elsewhere,
+                _is_of_another_sensor(c),
+                _by_a_letter(c),
+                -travel(c.read, numbers),
+            )
+        )
     if any(word_quantity(c.read.words) == "position" for c in unsaid):  # what only counts may count anything
         unsaid.sort(key=_only_counts)
     take("motor_position", [*(c for c in positions if c.shaft == "motor"), *unsaid])
@@ -163,6 +181,18 @@ def choose_signals(
 def is_a_letter(read: HeaderWords) -> bool:
     """Whether a name is one letter without a unit, which may number something: one in full goes before it."""
     return read.unit is None and [len(word) for word in read.words if not word.isdigit()] == [1]
+
+
+def _by_a_letter(column: Column) -> bool:
+    """Whether one letter alone, among whatever other words, makes a column the signal, and nothing tells its shaft."""
+    read = column.read
+    letter = not any(len(word) > 1 for word in read.words if word in SYMBOLS.get(column.quantity, ()))
+    return letter and column.shaft == "" and not is_told(read)
+
+
+def _is_of_another_sensor(column: Column) -> bool:
+    """Whether a name says an inertial sensor, which moves with the whole machine, or the drive's supply."""
+    return has_word(column.read.words, f"{INERTIAL}|{SUPPLY}")
 
 
 def _is_idle(column: Column, numbers: Mapping[str, np.ndarray]) -> bool:

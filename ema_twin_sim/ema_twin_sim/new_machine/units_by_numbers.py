@@ -7,7 +7,7 @@ time without a unit it gives the unit as well.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -16,10 +16,11 @@ from ema_bench_replay.traces.header_words import COUNTS
 from ema_bench_replay.traces.import_map import TIME_UNITS
 from ema_bench_replay.units import units_of
 
-from ..criteria import NEGLIGIBLE, PART, SMALL
+from ..criteria import NEGLIGIBLE, SMALL
 from ..measured.usual_sizes import USUAL
-from ..measured.way_by_speed import steady_factor
 from .columns import Guess, Guesses
+from .command_units import commands_with_units, why_no_command
+from .compared_ways import differences, is_open, radians, steady
 from .products import with_products_units
 from .servo_steps import in_steps_of, servo_by_sign_bit, servo_of
 from .steps import is_decimal, smallest_step
@@ -27,8 +28,6 @@ from .time_unit import time_unit as unit_of_clock
 from .time_unit import unit_of_size
 from .usual_counts import usual_counts
 
-_PARTS = 40  # parts of a recording whose distances are compared
-_FEWEST = 8  # number of parts that must be long enough
 _USUAL = ("rad", "deg", "rev", "mrad"), ("rad/s", "rpm", "deg/s", "rev/s")
 """Units of position and speed, the more likely first."""
 
@@ -50,10 +49,9 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
     seconds = (time - time[0]) * TIME_UNITS[time_unit] * 1e-9
     changed: dict[str, Guess] = {}
     output = known.get("output_position")
-    if gear_ratio is None and position is not None and output is not None and not (_open(position) or _open(output)):
-        ratio = _steady(
-            *_differences(numbers[position.column] * _radians(position), numbers[output.column] * _radians(output))
-        )
+    sized = [each for each in (position, output) if each is not None and not is_open(each)]
+    if gear_ratio is None and len(sized) > 1:
+        ratio = steady(*differences(*(numbers[each.column] * radians(each) for each in sized)))
         gear_ratio = abs(ratio) if ratio is not None else None
     if position is not None and speed is not None:
         ways = _ways(numbers[position.column], numbers[speed.column], seconds)
@@ -67,36 +65,25 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
             changed |= {"motor_position": position, "speed": speed}
         changed |= {guess.signal: guess for guess in _by_way(position, speed, ways, gear_ratio)}
         if changed.get("speed", speed).of_output and (asked := known.get("speed_setpoint")) is not None:
-            scale = _steady(numbers[asked.column], numbers[speed.column])
+            scale = steady(numbers[asked.column], numbers[speed.column])
             if scale is not None and abs(scale - 1.0) < SMALL:  # given like the speed
                 known["speed_setpoint"] = changed["speed_setpoint"] = replace(asked, of_output=True)
     motor = changed.get("motor_position", position)
-    if motor is not None and output is not None and _open(output) and not _open(motor) and gear_ratio:
-        turned = numbers[motor.column] * _radians(motor) / gear_ratio
-        scale = _steady(*_differences(numbers[output.column], turned))
+    if motor is not None and output is not None and is_open(output) and not is_open(motor) and gear_ratio:
+        turned = numbers[motor.column] * radians(motor) / gear_ratio
+        scale = steady(*differences(numbers[output.column], turned))
         if scale is not None and (told := _position_told(output, abs(scale))):
             changed["output_position"] = told
-    for setpoint, of in (
-        ("speed_setpoint", "speed"),
-        ("current_setpoint", "current"),
-        ("output_command", "output_position"),
-    ):
-        asked, measured = known.get(setpoint), changed.get(of, known.get(of))
-        if asked is None or asked.unit is not None or measured is None or measured.unit in (None, COUNTS):
-            continue
-        values = [numbers[asked.column], numbers[measured.column]]
-        scale = _steady(*(_differences(*values) if setpoint == "output_command" else values))
-        if scale is not None and abs(scale - 1.0) < PART:
-            changed[setpoint] = replace(asked, unit=measured.unit, factor=measured.factor)
+    changed |= commands_with_units({**known, **changed}, numbers)
     signals = tuple(changed.get(guess.signal, guess) for guess in guesses.signals)
-    lost = {
-        guess.column for guess in signals if guess.signal == "output_command" and not _commands(guess, signals, numbers)
-    }
+    why = why_no_command({guess.signal: guess for guess in signals}, numbers)
+    lost = {guess.column: why for guess in signals if guess.signal == "output_command" and why}
     return replace(
         guesses,
         time=replace(clock, unit=time_unit, doubt=time_doubt),
         signals=tuple(guess for guess in signals if guess.column not in lost),
         left=(*guesses.left, *lost),
+        lost_commands=lost,
     )
 
 
@@ -124,30 +111,6 @@ def _alike(position: Guess, speed: Guess, numbers: Mapping[str, np.ndarray]) -> 
     return replace(position, unit=unit, doubt=doubt), replace(speed, unit=f"{unit}/s", doubt=doubt)
 
 
-def _commands(command: Guess, signals: Sequence[Guess], numbers: Mapping[str, np.ndarray]) -> bool:
-    """Whether a commanded position is the output's, judged by the measured one; a motor's has no signal of its own."""
-    positions = {guess.signal: guess for guess in signals if guess.signal.endswith("position")}
-    followed = positions.get("output_position", positions.get("motor_position"))
-    if followed is None or _open(followed):
-        return command.unit not in (None, COUNTS)
-    if command.unit in (None, COUNTS):
-        return False
-    asked = numbers[command.column] * units_of("output_command")[command.unit]
-    times = _steady(*_differences(asked, numbers[followed.column] * _radians(followed)))
-    return times is None or abs(times - 1.0) < PART
-
-
-def _open(guess: Guess) -> bool:
-    """Whether the size in rad of 1 in the column is unknown."""
-    return guess.unit is None or (guess.unit == COUNTS and guess.counts is None)
-
-
-def _radians(guess: Guess) -> float:
-    if guess.unit == COUNTS and guess.counts:
-        return 2.0 * math.pi / guess.counts
-    return units_of("motor_position")[guess.unit or "rad"]
-
-
 def _unit_by_motion(
     time: np.ndarray, position: Guess | None, speed: Guess | None, numbers: Mapping[str, np.ndarray]
 ) -> str | None:
@@ -155,7 +118,7 @@ def _unit_by_motion(
 
     Where only one of them has a unit, the other may have any usual one; without any they share that of the angle.
     """
-    if position is None or speed is None or (position.unit == COUNTS and _open(position)):
+    if position is None or speed is None or (position.unit == COUNTS and is_open(position)):
         return None
     ways = _ways(numbers[position.column], numbers[speed.column], time - time[0])
     if ways is None:
@@ -163,7 +126,7 @@ def _unit_by_motion(
     angles, speeds = units_of("motor_position"), units_of("speed")
     if position.unit is None and speed.unit is None:
         return unit_of_size([abs(ways)], NEGLIGIBLE)
-    ways_told = [_radians(position)] if position.unit is not None else [angles[unit] for unit in ("rad", "deg", "rev")]
+    ways_told = [radians(position)] if position.unit is not None else [angles[unit] for unit in ("rad", "deg", "rev")]
     speeds_told = [speeds[speed.unit]] if speed.unit is not None else [speeds[unit] for unit in _USUAL[1]]
     sizes = [abs(ways) * way / by for way in ways_told for by in speeds_told]
     return unit_of_size(sizes, SMALL if len(sizes) == 1 else NEGLIGIBLE)
@@ -174,14 +137,14 @@ def _by_way(position: Guess, speed: Guess, ways: float | None, gear_ratio: float
     if ways is None:
         return []
     shafts = (1.0,) if gear_ratio is None else (1.0, 1.0 / gear_ratio, gear_ratio)
-    if speed.unit is not None and _open(position):
+    if speed.unit is not None and is_open(position):
         one = units_of("speed")[speed.unit] * speed.factor / abs(ways)  # rad per unit of the position's column
         for shaft in shafts:
             if told := _position_told(position, one * shaft):
                 return [told, replace(speed, of_output=speed.of_output or shaft > 1.0)]
         return [_unusual(position, one, speed)] if position.unit == COUNTS else []
     if speed.unit is not None:
-        times = abs(ways) * _radians(position) / (units_of("speed")[speed.unit] * speed.factor)
+        times = abs(ways) * radians(position) / (units_of("speed")[speed.unit] * speed.factor)
         if abs(times - 1.0) < NEGLIGIBLE:
             return [replace(speed, of_output=position.of_output)]
         if gear_ratio is not None and abs(times / gear_ratio - 1.0) < NEGLIGIBLE:
@@ -201,7 +164,7 @@ def _by_way(position: Guess, speed: Guess, ways: float | None, gear_ratio: float
         goes = f"changes {abs(ways):.4g} times as much as the integral of the speed"
         if position.unit is None:
             return [replace(position, origin_doubt=f"it {goes}: what are the units of both?")]
-        if not _open(position):
+        if not is_open(position):
             return [replace(speed, origin_doubt=f"the position {goes}, which no usual unit explains")]
     return []
 
@@ -234,15 +197,4 @@ def _unusual(position: Guess, one: float, speed: Guess) -> Guess:
 def _ways(position: np.ndarray, speed: np.ndarray, time: np.ndarray) -> float | None:
     """Distance in the position's unit per unit of distance by the speed; None if the position does not follow it."""
     travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))])
-    return _steady(*_differences(position, travelled))
-
-
-def _differences(*ways: np.ndarray) -> list[np.ndarray]:
-    """Distances that motions (n,) cover in the parts of a recording."""
-    lag = max(1, len(ways[0]) // _PARTS)
-    return [way[lag:] - way[:-lag] for way in ways]
-
-
-def _steady(way: np.ndarray, expected: np.ndarray) -> float | None:
-    """The factor between a distance and the expected one; None if it is not steady."""
-    return steady_factor(way, expected, _FEWEST)
+    return steady(*differences(position, travelled))

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+
+import numpy as np
 
 from ema_bench_replay.traces.header_words import header_words
 
-from .column_words import ACCELERATION_UNIT, POWER_UNIT
+from .column_quantity import has_word, word_quantity
+from .column_words import ACCELERATION_UNIT, DUTY, DUTY_SETTING, NO_SIGNAL, POWER_UNIT
 from .columns import Guesses
+from .never_changing import never_changes
 from .signal_columns import signal_column
 
 
@@ -19,21 +23,45 @@ def with_unknown_units(columns: Collection[str]) -> list[str]:
 
 
 def beside_those_taken(guesses: Guesses, columns: Collection[str]) -> list[str]:
-    """Those of the columns that measure what another column was taken for; none if these are several joints'."""
-    if guesses.joint.name:
+    """Those of the columns that measure or command what another column was taken for.
+
+    Of several joints, those whose names have the words of the joint that was taken; none if it has only a number.
+    """
+    if guesses.joint.name.isdigit():
         return []
+    columns = [name for name in columns if _apart(guesses.joint.name) in _apart(name)]
     told = {*guesses.other_motion, *guesses.other_axes, *guesses.row_counters, *guesses.clock_counters}
+    told |= {*guesses.electrical, *guesses.control_errors, *guesses.lost_commands}
     told |= {guess.column for guess in guesses.other_torques}
     taken = {header_words(guess.column).quantity or _quantity(guess.column) for guess in guesses.signals}
     return [name for name in columns if name not in told and _quantity(name) in taken]
+
+
+def that_may_be_motion(guesses: Guesses, columns: Collection[str], numbers: Mapping[str, np.ndarray]) -> list[str]:
+    """Those of the columns whose names tell nothing and whose numbers (n,) change; none beside a position or speed."""
+    if any(guess.signal in ("motor_position", "speed") for guess in guesses.signals):
+        return []
+    told = {*guesses.row_counters, *guesses.clock_counters, *guesses.sign_bits}
+    return [name for name in columns if name not in told and _tells_nothing(name) and not never_changes(numbers[name])]
+
+
+def _tells_nothing(name: str) -> bool:
+    """Whether a column's name has neither a unit nor a word of any quantity, state or setting."""
+    read = header_words(name)
+    known = has_word(read.words, f"{NO_SIGNAL}|{DUTY}|{DUTY_SETTING}")
+    return read.unit is None and not read.foreign and word_quantity(read.words) is None and not known
 
 
 def _of_no_signal(unit: str) -> bool:
     return re.fullmatch(f"{POWER_UNIT}|{ACCELERATION_UNIT}", unit) is not None
 
 
+def _apart(name: str) -> str:
+    """A name with single blanks between its words and at both ends; one blank if it is empty."""
+    return " ".join(["", *re.findall(r"[^\W_]+", name), ""]) or " "
+
+
 def _quantity(name: str) -> str:
-    """What a column measures; empty if it measures no signal, or commands one."""
-    read = header_words(name)
-    column = signal_column(read)
-    return "" if column is None or column.setpoint else column.quantity
+    """What a column measures or commands; empty if that is no signal."""
+    column = signal_column(header_words(name))
+    return "" if column is None else column.quantity
