@@ -47,7 +47,7 @@ def test_what_follows_the_command_behind_a_gear_of_two_is_used():
 
 
 def test_a_share_of_a_torque_comes_after_the_whole():
-    columns = logged(**{"torKdEst [N m]": 1e5 * SPEED, "torEst [N m]": CURRENT})
+    columns = logged(**{"torKdEst [N m]": 1e5 * SPEED, "torEst [N m]": CURRENT + ANGLE})
     assert taken(columns)["motor_torque"] == "torEst [N m]"
 
 
