@@ -19,6 +19,7 @@ from ema_bench_replay.traces.blank_columns import rows_with_tabs, with_tabs
 from ema_bench_replay.traces.header_lines import NoHeader, header_lines
 from ema_bench_replay.traces.incomplete_ends import MOST, Cells, incomplete_rows, left_out_words
 from ema_bench_replay.traces.keyed_trace import refuse_keyed_trace
+from ema_bench_replay.traces.line_breaks import line_end
 from ema_bench_replay.traces.missing_numbers import holds_nothing
 from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
 from ema_bench_replay.traces.row_ends import rows_without_ends, without_row_ends
@@ -102,7 +103,7 @@ def read_table(
             raise InputError(f"{path}: larger than {LARGEST >> 30} GiB; split it, or trace fewer signals")
         with path.open("rb") as file:
             sha256 = _sha256(file)
-            newline = "\r\n" if b"\r\n" in file.read(_BYTES_FOR_NEWLINE).replace(b"\0", b"") else "\n"
+            newline = line_end(file.read(_BYTES_FOR_NEWLINE).replace(b"\0", b""))
             file.seek(0)
             blocks = text_blocks(file)
             first, is_last = next(blocks)
