@@ -180,13 +180,14 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     from ..new_machine.columns import guess_columns
     from ..new_machine.lengths import how_to_use_length
     from ..new_machine.rows import with_kind_of_rows
+    from ..new_machine.same_names import refuse_same_names
     from ..new_machine.sign_bits import how_to_decode
     from ..new_machine.turns import counted_on_turns
     from ..new_machine.units_by_numbers import with_units
 
     table = read_table(trace, needed=lambda header: ())
     columns = ", ".join(filter(None, table.header))[:150]
-    numbers = dict(zip(table.header, table.columns, strict=True))
+    numbers = table.numbers
     no_numbers = {
         name: int(np.count_nonzero(np.isnan(column))) for name, column in numbers.items() if np.isnan(column).any()
     }
@@ -198,6 +199,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
         guesses = with_kind_of_rows(guesses, numbers, of_points)
     except InputError as error:
         raise InputError(f"{trace}: header: no time column among {columns}; {error}") from None
+    refuse_same_names(table, guesses)
     guesses = with_units(*counted_on_turns(guesses, numbers), gear_ratio)
     rows = len(table.columns[0])
     empty = frozenset(name for name, count in no_numbers.items() if count == rows)

@@ -156,6 +156,7 @@ def guess_columns(
     joint that goes farthest. Raises InputError if the time has no numbers.
     """
     numbers = numbers or {}
+    header = [*dict.fromkeys(header)]  # a map finds by name the first of several that have one
     names = [header_words(name) for name in header]
     linear = _is_linear(_telling(names, numbers))
     names = [_settled(read, linear) for read in names]

@@ -24,7 +24,7 @@ def differing_columns(first: Path, guesses: Guesses, others: Sequence[Path]) -> 
     for other in others:
         table = read_table(other, needed=lambda header: ())
         missing = {signal: column for signal, column in wanted.items() if column not in table.header}
-        numbers = dict(zip(table.header, table.columns, strict=True))
+        numbers = table.numbers
         empty = frozenset(name for name, column in numbers.items() if np.isnan(column).all())
         theirs = guess_columns(table.header, empty, numbers, guesses.joint.name)
         named = {guess.signal: guess.column for guess in theirs.signals}
