@@ -9,6 +9,7 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError, TimeGoesBackError
 from ema_bench_replay.long_columns import by_pieces, differences, extremes, median, overlapping, steps_where
+from ema_bench_replay.some_of import some_of
 from ema_bench_replay.traces.import_map import TIME_UNITS, Column, ImportMap
 from ema_bench_replay.traces.run_columns import how_to_read_runs, run_columns
 from ema_bench_replay.traces.trace_table import TraceTable
@@ -73,9 +74,9 @@ def read_clock(table: TraceTable, import_map: ImportMap) -> Clock:
 def _time_column(table: TraceTable, wanted: Column) -> int:
     places = wanted.find(table.header)
     if not places:
-        shown = ", ".join(table.header)[:200]
+        shown = some_of(table.header)
         raise InputError(
-            f"{table.path}: line {table.header_line}: no time column ({wanted.name}) among {shown!r}; "
+            f"{table.path}: line {table.header_line}: no time column ({wanted.name}) among {shown}; "
             "give the map of this machine with --map (init writes one), or export the trace with its time axis"
         )
     return places[0]

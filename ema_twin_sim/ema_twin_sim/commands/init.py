@@ -173,6 +173,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     """
     import numpy as np
 
+    from ema_bench_replay.some_of import some_of
     from ema_bench_replay.traces.header_words import header_words
     from ema_bench_replay.traces.run_columns import count_of_runs, how_to_read_runs, run_columns
     from ema_bench_replay.traces.trace_table import read_table
@@ -186,7 +187,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     from ..new_machine.units_by_numbers import with_units
 
     table = read_table(trace, needed=lambda header: ())
-    columns = ", ".join(filter(None, table.header))[:150]
+    columns = some_of(filter(None, table.header))
     numbers = table.numbers
     no_numbers = {
         name: int(np.count_nonzero(np.isnan(column))) for name, column in numbers.items() if np.isnan(column).any()
@@ -231,7 +232,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
         say(sentence)
     if angles := guesses.phase_angles:
         say(
-            f"{', '.join(angles)}: not used, since power analysers give the angle between voltage and current so (if "
+            f"{some_of(angles)}: not used, since power analysers give the angle between voltage and current so (if "
             "one is a shaft's, say so in its name, as in 'motor position [deg]', and run init again)"
         )
     taken = next((guess.column for guess in guesses.signals if guess.signal == "motor_position"), "")
@@ -255,12 +256,12 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
             )
         if empty_signals := [guess.column for guess in guess_columns(table.header).signals if guess.column in empty]:
             raise InputError(
-                f"{trace}: {', '.join(empty_signals)[:150]}: no cell holds one number by itself (lists hold several); "
+                f"{trace}: {some_of(empty_signals)}: no cell holds one number by itself (lists hold several); "
                 "write a column for each number, as in 'motor position [rad]', and run init again"
             )
         if holed:
             raise InputError(
-                f"{trace}: {', '.join(guess.column for guess in holed)[:150]}: without these nothing is left to read; "
+                f"{trace}: {some_of(guess.column for guess in holed)}: without these nothing is left to read; "
                 "fill in the cells that hold no number, or remove their rows, and run init again"
             )
         raise InputError(
