@@ -85,7 +85,7 @@ def say_what_it_rests_on(map_file: Path, place: Path, besides: Sequence[str], kn
     model = load_model(place)
     doubts = doubts_of(model, place.read_text(), map_file.read_text())
     numbers = {
-        "Known": [*shown(model, doubts), *known],
+        "Known": [*shown(model, doubts, map_file.read_text()), *known],
         "Estimated from the recordings": estimated(model, doubts),
         "Assumed": assumed(model, doubts),
     }
