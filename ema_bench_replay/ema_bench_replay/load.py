@@ -8,7 +8,7 @@ from pathlib import Path
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
-_TRACES = (".csv", ".txt", ".tsv")
+_TRACES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".log")  # by their names only: a binary one is refused as no text
 
 
 def load(
@@ -17,7 +17,7 @@ def load(
     import_map: str | Path = "siemens",
     progress: Callable[[float], None] = lambda share: None,
 ) -> Recording:
-    """Read a recording: a CSV trace (through `import_map`), an MCAP, or the folder that import or a recorder wrote.
+    """Read a recording: a text trace (through `import_map`), an MCAP, or the folder that import or a recorder wrote.
 
     For a split recording, give its folder or the sequence of its files. `progress` is called with the share read so
     far.

@@ -13,6 +13,7 @@ from .criteria import CLEARLY_MORE
 
 DEPENDED_ON = ("motor_position", "speed", "load_torque")
 """Signals that a drive's torque depends on at an operating point."""
+FEWEST_READINGS = 4  # that have a third difference
 SEGMENT = 128  # samples whose spectrum is taken at once
 FEWEST_SEGMENTS = 8  # with half of each shared with the next: fewer have no median
 STRETCH = 0.25  # of the frequencies, over which a spectrum is averaged
@@ -23,7 +24,7 @@ def reading_noise(values: np.ndarray) -> float:
 
     What the rounding of the numbers in memory makes is none: an exact command would have noise.
     """
-    if len(values) < 4:
+    if len(values) < FEWEST_READINGS:
         return 0.0
     third = np.diff(values, 3)
     noise = float(1.4826 * np.median(np.abs(third - np.median(third))) / np.sqrt(20.0))

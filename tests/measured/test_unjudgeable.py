@@ -124,3 +124,21 @@ def test_compare_asks_about_a_current_that_is_zero_all_along(motor):
     assert [text for text in found.misread if "its current is 0 A all along; is that the right column" in text]
     assert found.recordings[0].torque_error is None
     assert not [text for text in compare([zero, driven], motor).misread if "all along" in text]
+
+
+def points(name, count, seed):
+    speed = np.linspace(20.0, 200.0, count)
+    noise = 1e-3 * np.random.default_rng(seed).standard_normal(count)
+    signals = {"current": 0.1 + 2e-5 * speed**2 + noise, "speed": speed}
+    return Recording(name, np.arange(count) * 10**9, signals, metadata={POINTS: "yes"})
+
+
+def test_the_operating_points_of_all_recordings_count_together(motor):
+    """Each of three tables was refused as too short by itself."""
+    tables = [points("a", 11, 1), points("b", 11, 2), points("c", 11, 3)]
+    assert [len(o.rows) for o in observe_all(tables, motor)] == [11, 11, 11]
+    few = [points("a", 5, 1), points("b", 6, 2)]
+    with pytest.raises(InputError, match="a, b: 11 operating points are too few: at least 12 are needed; measure"):
+        observe_all(few, motor)
+    with pytest.raises(InputError, match="d: has 3 operating points; at least 4 are needed to see their noise"):
+        observe_all([*tables, points("d", 3, 4)], motor)

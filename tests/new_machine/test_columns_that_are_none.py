@@ -163,3 +163,14 @@ def test_a_refusal_lists_no_empty_name(tmp_path, names):
     (tmp_path / "run.csv").write_text(f"{names}\n{rows}\n")
     with pytest.raises(InputError, match=f"among {names[1:].replace(',', ', ')}; "):
         init(str(tmp_path / "m"), [tmp_path / "run.csv"])
+
+
+def test_a_file_of_many_columns_is_refused_in_whole_sentences(drafted):
+    time = np.arange(900) * 2e-3
+    wheels = {f"{side} {what}": k * 3.0 + np.sin(3.0 * time) for k, side in enumerate(("left", "right"))
+              for what in ("velocity", "current", "raw current", "filtered current", "velocity setpoint")}  # fmt: skip
+    with pytest.raises(InputError) as refusal:
+        drafted(wheels)
+    text = str(refusal.value)
+    assert "…" not in text and "more; the rows look like samples; export the time too" in text
+    assert text.endswith("give --operating-points")

@@ -94,3 +94,12 @@ def test_gains_of_a_drive_follow_the_motors_share_of_a_joints_torque_constant(tm
         found[told] = model.value("drive.speed_gain") / model.value("machine.torque_constant")
     small, large = found.values()
     assert large == pytest.approx(small, rel=1e-3)
+
+
+def test_the_counts_of_a_joints_encoder_are_told_as_the_outputs(tmp_path, capsys):
+    """They were those of a motor encoder, 164 counts per turn of the motor."""
+    time, columns = sampled()
+    init(str(tmp_path / "joint"), [write(tmp_path / "joint.csv", "joint", time, columns)], gear_ratio=RATIO)
+    said = " ".join(capsys.readouterr().out.split())
+    assert "output encoder 8192 counts per turn" in said and "motor encoder" not in said
+    assert constants(tmp_path / "joint.yaml")["sensors.motor_encoder_counts"] == pytest.approx(8192.0 / RATIO)

@@ -6,6 +6,7 @@ import pytest
 from ema_bench_replay.errors import InputError, TimeGoesBackError
 from ema_bench_replay.load import load
 from ema_bench_replay.traces.trace_table import read_table
+from tests.one_line import refused_in_one_line
 from tests.trace_text import write_columns
 
 MAP = "version: 1\ntime: {column: time, unit: s}\nsignals:\n  current: {columns: [current], unit: A}\n"
@@ -47,6 +48,17 @@ def test_numbers_of_a_computers_memory_are_no_text_either(tmp_path):
     file.write_bytes(b"time,current\n" + np.linspace(0.0, 1.0, 3000).tobytes() + b"\n")
     with pytest.raises(InputError, match="is no text"):
         read_table(file)
+
+
+@pytest.mark.parametrize("kind", ["csv", "txt", "tsv", "dat", "asc", "log", "DAT"])
+def test_a_text_is_read_whatever_its_name_ends_in_and_a_binary_file_is_refused(tmp_path, kind):
+    file = tmp_path / f"run.{kind}"
+    (tmp_path / "map.yaml").write_text(MAP)
+    file.write_text("time current\n" + "".join(f"{time:.3f} {time:.1f}\n" for time in TIME))
+    assert len(load(file, import_map=tmp_path / "map.yaml")) == len(TIME)
+    file.write_bytes(b"MDF     3.00" + bytes(range(256)) * 40)
+    with refused_in_one_line(file, "is no text; give the drive's trace exported as CSV"):
+        load(file, import_map=tmp_path / "map.yaml")
 
 
 ROWS = "".join(f"{k},{k * k}\n" for k in range(40))

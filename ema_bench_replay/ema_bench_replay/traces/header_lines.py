@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 from ema_bench_replay.traces.header_words import is_unit
 from ema_bench_replay.traces.missing_numbers import holds_nothing, is_missing
+from ema_bench_replay.traces.paired_columns import names_of_pairs
 from ema_bench_replay.traces.time_of_day import is_time_of_day
 
 MOST_LINES = 200
@@ -37,6 +38,7 @@ class HeaderLines:
     text: str
     line: int
     end: int  # the first byte of the rows
+    pairs: bool = False  # whether each signal is a pair of columns, of its time and its values
 
 
 class NoHeader(ValueError):
@@ -78,14 +80,14 @@ def header_lines(block: bytes) -> HeaderLines | None:
         units = _cells(lines[of_units][0], mark)
         text = mark.join(_with_units(_with_time(_cells(text, mark), units), units))
         text += mark if text.endswith(mark) else ""  # an empty name at the end is one
-        return HeaderLines(text, rows, lines[rows - 1][1])
-    if rows is not None and header == rows - 1:
+    elif rows is not None and header == rows - 1:
         mark = _delimiter(lines[rows][0])
         cells, width = _cells(text, mark), len(lines[rows][0].split(mark))
         if len(cells) == width + 1 > 2:
             text = mark.join(cells[:width])
-    last = header if rows is None or _torn_row(lines, header, rows) else rows - 1
-    return HeaderLines(text, last + 1, lines[last][1])
+    pairs = names_of_pairs(lines[header - 1][0], text, _delimiter(text)) if header else None
+    last = header if rows is None or (of_units is None and _torn_row(lines, header, rows)) else rows - 1
+    return HeaderLines(pairs or text, last + 1, lines[last][1], pairs is not None)
 
 
 def _first_row(lines: list[tuple[str, int]], plain: int) -> int | None:

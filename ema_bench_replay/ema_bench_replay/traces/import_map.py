@@ -48,7 +48,8 @@ class Column:
         if wanted := _PARAMETER.fullmatch(self.name):
             ranked = sorted((*_rank(wanted, name), place) for place, name in enumerate(header))
             return [place for rank, _, place in ranked if rank == ranked[0][0] < _NO_FIT]
-        same = [place for place, name in enumerate(header) if name.lower() == self.name.lower()]
+        exactly = [place for place, name in enumerate(header) if name == self.name]  # a T beside the t of the time
+        same = exactly or [place for place, name in enumerate(header) if name.lower() == self.name.lower()]
         pattern = re.compile(self.name, re.IGNORECASE)
         return same or [place for place, name in enumerate(header) if pattern.fullmatch(name)]
 

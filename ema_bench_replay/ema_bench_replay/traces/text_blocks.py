@@ -6,6 +6,13 @@ import io
 from collections.abc import Iterator
 from typing import BinaryIO
 
+from ema_bench_replay.traces.line_breaks import (
+    end_of_lines,
+    has_lone_returns,
+    returns_as_feeds,
+    without_breaks_in_cells,
+)
+
 _BLOCK = 4 << 20
 _LONGEST_LINE = 1 << 20
 _LOOKED_AT = 1 << 16  # bytes at the beginning that tell whether it is text
@@ -22,7 +29,9 @@ def text_blocks(file: BinaryIO) -> Iterator[tuple[bytes, bool]]:
     """Blocks of whole lines, each with whether it is the last. Only the last one may lack a line end.
 
     Byte order marks and carriage returns are removed, UTF-16 is converted to UTF-8; other encodings stay unchanged,
-    since digits are the same in all of them. Raises NotText if a line does not end, or if the file is binary.
+    since digits are the same in all of them. Where carriage returns alone end the rows, line feeds do instead. A line
+    break inside a quoted cell is a blank: such a row is one line, as in a spreadsheet. Raises NotText if a line does
+    not end, or if the file is binary.
     """
     start = file.read(4)
     file.seek(0)
@@ -33,12 +42,19 @@ def text_blocks(file: BinaryIO) -> Iterator[tuple[bytes, bool]]:
         # A truncated file may end inside a character: such a line holds no complete row anyway.
         file = io.BytesIO(file.read().decode(encoding, errors="replace").encode())
     waiting, carry = b"", b""
-    if _is_binary(file.read(_LOOKED_AT)):
+    begin = file.read(_LOOKED_AT)
+    if _is_binary(begin):
         raise NotText
+    lone = has_lone_returns(begin)
     file.seek(3 if encoding == "utf-8-sig" else 0)
     while chunk := file.read(_BLOCK):
-        chunk = carry + chunk.translate(None, b"\r")
+        if lone and chunk.endswith(b"\r"):
+            chunk += file.read(1)  # perhaps the line feed that goes with it
+        chunk = carry + (returns_as_feeds(chunk) if lone else chunk.translate(None, b"\r"))
         end = chunk.rfind(b"\n") + 1
+        if b'"' in chunk:
+            chunk = without_breaks_in_cells(chunk)
+            end = end_of_lines(chunk, _LONGEST_LINE // 2)
         block, carry = chunk[:end], chunk[end:]
         if len(carry) > _LONGEST_LINE:
             raise NotText

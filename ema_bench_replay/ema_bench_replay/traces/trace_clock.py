@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ema_bench_replay.errors import InputError, TimeGoesBackError
-from ema_bench_replay.long_columns import by_pieces, differences, extremes, median, overlapping, steps_where
+from ema_bench_replay.long_columns import by_pieces, differences, extremes, less_rows, median, overlapping, steps_where
+from ema_bench_replay.some_of import some_of
 from ema_bench_replay.traces.import_map import TIME_UNITS, Column, ImportMap
 from ema_bench_replay.traces.run_columns import how_to_read_runs, run_columns
 from ema_bench_replay.traces.trace_table import TraceTable
+from ema_bench_replay.traces.wrapped_time import WrappedTime, unwrapped_time
 
 # A step differs from the usual one if it is off by more than this share and by more than the time column resolves.
 _UNEQUAL = 0.01
@@ -53,13 +55,17 @@ def read_clock(table: TraceTable, import_map: ImportMap) -> Clock:
     place = _time_column(table, import_map.time)
     unit = _unit(table.header[place], import_map.time_unit)
     stamps = _stamps(table.columns[place], unit)
+    findings: list[str] = []
+    wrapped = unwrapped_time(stamps, unit, float(table.columns[place][0]))
+    if wrapped is not None and not import_map.of_points:
+        findings.append(_wraps_in_words(table, place, unit, wrapped))
+        stamps = wrapped.stamps
     back, repeats = _not_rising(stamps)
     few, stopped = _left_out(repeats, len(stamps))
-    findings: list[str] = []
     if few.size + stopped.size and not back.size:
         findings += _in_words(table, place, unit, few, stopped)
         table = table.without(repeats)
-        stamps = _stamps(table.columns[place], unit)
+        stamps = less_rows(stamps, repeats)
         back, repeats = _not_rising(stamps)
     if back.size or repeats.size:
         raise _refusal(table, place, unit, back, repeats, import_map)
@@ -73,9 +79,9 @@ def read_clock(table: TraceTable, import_map: ImportMap) -> Clock:
 def _time_column(table: TraceTable, wanted: Column) -> int:
     places = wanted.find(table.header)
     if not places:
-        shown = ", ".join(table.header)[:200]
+        shown = some_of(table.header)
         raise InputError(
-            f"{table.path}: line {table.header_line}: no time column ({wanted.name}) among {shown!r}; "
+            f"{table.path}: line {table.header_line}: no time column ({wanted.name}) among {shown}; "
             "give the map of this machine with --map (init writes one), or export the trace with its time axis"
         )
     return places[0]
@@ -85,6 +91,16 @@ def _unit(name: str, otherwise: str) -> str:
     """The unit in brackets in a column's name, or the map's."""
     in_brackets = re.search(r"[\[(]\s*([^\])]+?)\s*[\])]", name)
     return in_brackets[1] if in_brackets and in_brackets[1] in TIME_UNITS else otherwise
+
+
+def _wraps_in_words(table: TraceTable, place: int, unit: str, wrapped: WrappedTime) -> str:
+    """After what the time begins again, where and how often."""
+    often = f"{len(wrapped.falls)} times, first" if len(wrapped.falls) > 1 else "once,"
+    return (
+        f"column {table.header[place]!r}: time begins again after {wrapped.span / TIME_UNITS[unit]:.10g} {unit}, "
+        f"{often} in line {table.line(int(wrapped.falls[0]))}: repaired, counted on (if another run begins there, cut "
+        "the file)"
+    )
 
 
 def _in_words(table: TraceTable, place: int, unit: str, few: np.ndarray, stopped: np.ndarray) -> list[str]:

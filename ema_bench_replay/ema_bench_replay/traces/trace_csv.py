@@ -20,6 +20,7 @@ from ema_bench_replay.long_columns import (
     times,
 )
 from ema_bench_replay.recording import AT, KIND, LACKED, MOTION, POINTS, Recording
+from ema_bench_replay.some_of import some_of
 from ema_bench_replay.traces.counters import unwrap_counts
 from ema_bench_replay.traces.header_units import contradicted_unit
 from ema_bench_replay.traces.import_map import Column, ImportMap, SignalMap
@@ -75,7 +76,7 @@ class _Trace:
                 self.columns[signal.signal] = place
                 self._report_unit(signal, self.table.header[place])
         if not self.columns:
-            known = ", ".join(column.plain for signal in self.map.signals for column in signal.columns)
+            known = some_of(column.plain for signal in self.map.signals for column in signal.columns)
             raise InputError(
                 f"{self.table.path}: header: none of the columns of the map {self.map.name!r} ({known}) is there; "
                 f"name the right map with --map, or let one be written: ema-twin init {self.table.path} -o NAME"
@@ -107,7 +108,7 @@ class _Trace:
                 continue
             place = places[0]
             if len(places) > 1:
-                names = ", ".join(f"{self.table.header[other]} in column {other + 1}" for other in places)
+                names = some_of(f"{self.table.header[other]} in column {other + 1}" for other in places)
                 self._warn(f"{column.name} is in {len(places)} columns ({names}); column {place + 1} is used")
             return self._following(column, place, signal.signal)
         self._report_missing(signal)

@@ -16,11 +16,13 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.long_columns import Column, less_rows
 from ema_bench_replay.traces.blank_columns import rows_with_tabs, with_tabs
-from ema_bench_replay.traces.header_lines import NoHeader, header_lines
+from ema_bench_replay.traces.header_lines import HeaderLines, NoHeader, header_lines
 from ema_bench_replay.traces.incomplete_ends import MOST, Cells, incomplete_rows, left_out_words
 from ema_bench_replay.traces.keyed_trace import refuse_keyed_trace
+from ema_bench_replay.traces.line_breaks import line_end
 from ema_bench_replay.traces.missing_numbers import holds_nothing
 from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
+from ema_bench_replay.traces.paired_columns import with_common_time
 from ema_bench_replay.traces.row_ends import rows_without_ends, without_row_ends
 from ema_bench_replay.traces.text_blocks import NotText, text_blocks
 from ema_bench_replay.traces.time_of_day import is_time_of_day, seconds
@@ -45,6 +47,11 @@ class TraceTable:
     warnings: tuple[str, ...]
     left_out: tuple[int, ...] = ()  # rows of the file, counted from 0 below the header, that are not in the columns
     in_seconds: frozenset[str] = frozenset()  # columns of times of day or dates, converted to s
+
+    @property
+    def numbers(self) -> dict[str, np.ndarray]:
+        """The columns (n,) by their names; of several with one name, the first."""
+        return {name: self.columns[self.header.index(name)] for name in self.header}
 
     def line(self, row: int) -> int:
         """Line number (counted from 1) of a row (counted from 0)."""
@@ -89,11 +96,12 @@ def read_table(
     """Read a delimited text file: one header line and numbers below it.
 
     Above the header there may be comments (#, %), blank lines, quoted texts and lines with other cells than the rows;
-    below it the same, or a row of units, which are appended to the names in brackets. Blank lines and comments may end
-    the file. Columns may be separated by blanks, and a semicolon may end each row. Times of day and dates are converted
-    to s. Rows that hold nothing in any column are left out, with one warning. An incomplete last row is dropped, with a
-    warning, and so are up to three first and last rows that lack a number in a needed column (in any if none is needed)
-    in which all others hold one. `delimiter` and `number_format` ("german", "english") are detected if they are None.
+    below it the same, or a row of units, which are appended to the names in brackets. Pairs of columns, of time and
+    values, below each signal's name get one column for the time. Blank lines and comments may end the file. Columns may
+    be separated by blanks, and a semicolon may end each row. Times of day and dates are converted to s. Rows that hold
+    nothing in any column are left out, with one warning. An incomplete last row is dropped, with a warning, and so are
+    up to three first and last rows that lack a number in a needed column (in any if none is needed) in which all others
+    hold one. `delimiter` and `number_format` ("german", "english") are detected if they are None.
     `needed` returns for a header the columns that must hold numbers; others may hold words and empty cells. `progress`
     is called with the share read so far. Raises InputError.
     """
@@ -102,7 +110,7 @@ def read_table(
             raise InputError(f"{path}: larger than {LARGEST >> 30} GiB; split it, or trace fewer signals")
         with path.open("rb") as file:
             sha256 = _sha256(file)
-            newline = "\r\n" if b"\r\n" in file.read(_BYTES_FOR_NEWLINE).replace(b"\0", b"") else "\n"
+            newline = line_end(file.read(_BYTES_FOR_NEWLINE).replace(b"\0", b""))
             file.seek(0)
             blocks = text_blocks(file)
             first, is_last = next(blocks)
@@ -113,8 +121,9 @@ def read_table(
             tabbed = with_tabs(first) if delimiter is None else first
             if tabbed is not first:
                 first, blocks = tabbed, ((rows_with_tabs(block), last) for block, last in blocks)
-            header_text, header_line, body = _header(path, first)
-            rows = _RowReader(path, header_text, header_line, body, delimiter, number_format, needed)
+            header = _header(path, first)
+            body = first[header.end :]
+            rows = _RowReader(path, header.text, header.line, body, delimiter, number_format, needed)
             growing = [Column(np.float64) for _ in rows.header]
             for block, last in chain([(body, is_last)], blocks):
                 for column, values in zip(growing, rows.read(block, last).T, strict=True):
@@ -131,11 +140,11 @@ def read_table(
         rows.report_empty()
     style = rows.style(newline)
     in_seconds = frozenset(rows.header[column] for column in rows.times_of_day)
-    return TraceTable(
+    table = TraceTable(
         path,
         sha256,
         rows.header,
-        header_line,
+        header.line,
         columns,
         rows.decimals,
         style,
@@ -143,6 +152,7 @@ def read_table(
         tuple(sorted((*rows.empty, *rows.first))),
         in_seconds=in_seconds,
     )
+    return with_common_time(table) if header.pairs else table
 
 
 class _RowReader:
@@ -443,8 +453,8 @@ def _sha256(file: BinaryIO) -> str:
     return digest.hexdigest()
 
 
-def _header(path: Path, block: bytes) -> tuple[str, int, bytes]:
-    """Header, the number of the last line above the rows (counted from 1) and the rest of the block."""
+def _header(path: Path, block: bytes) -> HeaderLines:
+    """The header of a text that begins with this block. Raises InputError if it has none."""
     try:
         found = header_lines(block)
     except NoHeader as missing:
@@ -457,4 +467,4 @@ def _header(path: Path, block: bytes) -> tuple[str, int, bytes]:
         ) from None
     if found is None:
         raise InputError(f"{path}: {'has no header line' if block else 'is empty'}; export the trace again")
-    return found.text, found.line, block[found.end :]
+    return found

@@ -187,6 +187,7 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
     """
     import numpy as np
 
+    from ema_bench_replay.some_of import some_of
     from ema_bench_replay.traces.header_words import header_words
     from ema_bench_replay.traces.run_columns import count_of_runs, how_to_read_runs, run_columns
     from ema_bench_replay.traces.trace_table import read_table
@@ -194,14 +195,15 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
     from ..new_machine.columns import guess_columns
     from ..new_machine.lengths import at_the_slide, how_to_use_length
     from ..new_machine.rows import with_kind_of_rows
+    from ..new_machine.same_names import refuse_same_names
     from ..new_machine.sign_bits import how_to_decode
     from ..new_machine.turns import counted_on_turns
     from ..new_machine.units_by_numbers import with_units
     from ..new_machine.unused_columns import that_may_be_motion
 
     table = read_table(trace, needed=lambda header: ())
-    columns = ", ".join(filter(None, table.header))[:150]
-    numbers = dict(zip(table.header, table.columns, strict=True))
+    columns = some_of(filter(None, table.header))
+    numbers = table.numbers
     no_numbers = {
         name: int(np.count_nonzero(np.isnan(column))) for name, column in numbers.items() if np.isnan(column).any()
     }
@@ -215,6 +217,7 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
         guesses = with_kind_of_rows(guesses, numbers, of_points)
     except InputError as error:
         raise InputError(f"{trace}: header: no time column among {columns}; {error}") from None
+    refuse_same_names(table, guesses)
     guesses = with_units(*counted_on_turns(guesses, numbers), given.gear_ratio)
     rows = len(table.columns[0])
     empty = frozenset(name for name, count in no_numbers.items() if count == rows)
@@ -255,7 +258,7 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
         say(f"{name}: not used, since it is {difference}: a control error")
     if angles := guesses.phase_angles:
         say(
-            f"{', '.join(angles)}: not used, since power analysers give the angle between voltage and current so (if "
+            f"{some_of(angles)}: not used, since power analysers give the angle between voltage and current so (if "
             "one is a shaft's, say so in its name, as in 'motor position [deg]', and run init again)"
         )
     taken = next((guess.column for guess in guesses.signals if guess.signal == "motor_position"), "")
@@ -282,12 +285,12 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
             )
         if empty_signals := [guess.column for guess in guess_columns(table.header).signals if guess.column in empty]:
             raise InputError(
-                f"{trace}: {', '.join(empty_signals)[:150]}: no cell holds one number by itself (lists hold several); "
+                f"{trace}: {some_of(empty_signals)}: no cell holds one number by itself (lists hold several); "
                 "write a column for each number, as in 'motor position [rad]', and run init again"
             )
         if holed:
             raise InputError(
-                f"{trace}: {', '.join(guess.column for guess in holed)[:150]}: without these nothing is left to read; "
+                f"{trace}: {some_of(guess.column for guess in holed)}: without these nothing is left to read; "
                 "fill in the cells that hold no number, or remove their rows, and run init again"
             )
         raise InputError(

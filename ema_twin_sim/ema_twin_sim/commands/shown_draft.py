@@ -101,7 +101,7 @@ def say_what_it_rests_on(map_file: Path, place: Path, besides: Sequence[str], kn
     model = load_model(place)
     doubts = doubts_of(model, place.read_text(), map_file.read_text())
     numbers = {
-        "Known": [*shown(model, doubts), *known],
+        "Known": [*shown(model, doubts, map_file.read_text()), *known],
         "Estimated from the recordings": estimated(model, doubts),
         "Assumed": assumed(model, doubts),
     }
@@ -184,7 +184,7 @@ def say_next(
     if why := guesses.points_doubt:
         say(f"{why[:1].upper()}{why[1:]}: each row is read as an operating point, at rest or at constant speed.")
     unsigned = " and ".join(guess.column for guess in guesses.signals if guess.magnitude)
-    if guesses.both_encoders and not guesses.drives:
+    if _is_judgeable(guesses) and not guesses.drives:
         missed = "No current or torque with a sign" if unsigned else "No current or torque"
         say(f"{missed} was found: only backlash, delay and angle errors of the encoders can be found.")
     say("Then:")
@@ -195,11 +195,10 @@ def say_next(
             "without."
         )
         return
-    if guesses.drives or guesses.both_encoders:
+    if _is_judgeable(guesses):
         say_search(trace, *files)
         return
-    mended = replace(guesses, signals=(*guesses.signals, *holed))
-    if mended.drives or mended.both_encoders:
+    if _is_judgeable(replace(guesses, signals=(*guesses.signals, *holed))):
         names = " and ".join(guess.column for guess in holed)
         say(
             f"  {names} cannot be left out: fill in the missing values in {trace}, or remove these rows, and run init "
@@ -212,10 +211,20 @@ def say_next(
         say(f"  No current or torque was found: {_how_to_drive(files[0], guesses)}")
 
 
+def _is_judgeable(guesses: Guesses) -> bool:
+    """Whether an effect can be told from these signals: with a torque or, in the course of time, with both encoders."""
+    return guesses.drives or (guesses.both_encoders and not guesses.of_points)
+
+
 def _how_to_drive(map_file: Path, guesses: Guesses) -> str:
     """What to do without a current or torque: a voltage, or its duty cycle, may stand for the motor's torque."""
     from ..new_machine.voltages import voltages
 
+    if guesses.both_encoders:
+        return (
+            f"add its column to {map_file}, since operating points cannot be analysed without it; of samples of a "
+            "motion, with both encoders, a column of the time is enough (add it to the file and run init again)."
+        )
     if not (found := voltages(guesses)):
         return f"add its column to {map_file}; nothing can be analysed without it."
     return (

@@ -17,12 +17,12 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..criteria import CHAOTIC, CORRELATION, COUNTED, LEAST_ROWS, NEGLIGIBLE, SHAKEN, SMALL, STANDSTILL, THROWN
+from ..listing import number_of
 from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, LOAD, MOTOR_ANGLE, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
-from ..reading_noise import noise_at_points, reading_noise
+from ..reading_noise import FEWEST_READINGS, noise_at_points, reading_noise
 from ..simulation.angle_origins import origins_of
-from ..simulation.operating_points import FEWEST as FEWEST_POINTS
 from ..simulation.operating_points import doubled, motion_at_points
 from ..simulation.sensor_noise import counter_noise
 from .adaptive_acceleration import adaptive_acceleration
@@ -34,7 +34,7 @@ from .sliding import moving_maximum
 from .smoothed_motion import COUNTER_WIDTH, LEAST_PERIODS, WIDTH, differentiator, even, smoothed_motion, usual_step
 from .smoothing import gaussian, smooth, smooth_at
 from .spoilt_samples import counter_jumps
-from .unjudgeable import refuse_incomplete, refuse_unchanging, too_little_motion
+from .unjudgeable import refuse_few_points, refuse_incomplete, refuse_unchanging, too_little_motion
 
 START = 0.03  # own s at each end that are not judged
 JITTER = 2e-4  # own s of possible offset between the two counters' samples, or of an impact
@@ -202,9 +202,10 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
     """Observation of operating points: rows that are judged as recorded, each separately."""
     motion = motion_at_points(recording, model)
     motion = motion[np.isfinite(motion).all(axis=1)]
-    if len(motion) < FEWEST_POINTS:
+    if len(motion) < FEWEST_READINGS:
         raise InputError(
-            f"{recording.name}: {len(motion)} operating points are too few: at least {FEWEST_POINTS} are needed"
+            f"{recording.name}: has {number_of(len(motion), 'operating point')}; at least {FEWEST_READINGS} are needed "
+            "to see their noise: measure more, or leave the recording out"
         )
     count = len(motion)
     constant = model.value("machine.torque_constant")
@@ -259,6 +260,7 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
     widest = sum(recording.duration for recording in recordings) / (4.0 * CORRELATION * LEAST_ROWS)
     found = [observe(recording, model, widest) for recording in recordings]
     if any(recording.of_points for recording in recordings):
+        refuse_few_points(found)
         return found
     if not found[0].geared and _too_noisy(found):
         found = _quieter(recordings, model, widest) or found

@@ -8,6 +8,7 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
+from ema_bench_replay.some_of import some_of
 from ema_bench_replay.traces.lacked_columns import lacked_columns
 
 from ..criteria import FAR_OUT, SMALL, STANDSTILL
@@ -19,6 +20,7 @@ from ..quantities import quantity
 from ..reading_noise import reading_noise
 from ..simulation.behind_motor import of_encoders_alone
 from ..simulation.long_gaps import refuse_long_gaps
+from ..simulation.operating_points import FEWEST as FEWEST_POINTS
 from .observation import Observation
 from .row_noise import smallest_step
 from .smoothed_motion import FEWEST, NEEDED, usual_step
@@ -28,6 +30,16 @@ HELD = (
     "; a test of stiffness, held at each load, is read as operating points: `operating_points: true` in its map, or "
     "init --operating-points"
 )
+
+
+def refuse_few_points(observations: Sequence[Observation]) -> None:
+    """Raise InputError if all recordings together hold too few operating points to judge."""
+    count = sum(len(o.rows) for o in observations)
+    if count < FEWEST_POINTS:
+        names = some_of(o.name for o in observations)
+        raise InputError(
+            f"{names}: {count} operating points are too few: at least {FEWEST_POINTS} are needed; measure more"
+        )
 
 
 def refuse_incomplete(recording: Recording, model: Model) -> None:

@@ -164,6 +164,7 @@ def guess_columns(
     unit of length is told, and columns of its motor's turns are used too. Raises InputError if the time has no numbers.
     """
     numbers = numbers or {}
+    header = [*dict.fromkeys(header)]  # a map finds by name the first of several that have one
     names = [header_words(name) for name in header]
     telling = _telling(names, numbers)
     linear = _is_linear(telling) or (slides and any(_is_length(read) for read in telling))

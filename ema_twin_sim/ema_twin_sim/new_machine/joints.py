@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ema_bench_replay.some_of import some_of
 from ema_bench_replay.traces.header_words import HeaderWords
 from ema_bench_replay.units import MOTIONS, units_of
 
@@ -49,9 +50,9 @@ class Joint:
         which = f"numbered {self.name}, of" if self.name.isdigit() else f"of {self.name},"
         why = "the joint with the largest motion"
         if self.undriven:
-            why += f" of those whose current or torque changes (that of {', '.join(self.undriven)} never does)"
+            why += f" of those whose current or torque changes (that of {some_of(self.undriven)} never does)"
         return (
-            f"the columns {which} {why}; those of {', '.join(self.others)} are not used "
+            f"the columns {which} {why}; those of {some_of(self.others)} are not used "
             f"(to use another joint, remove the others' columns and run init again){self._beside_it}"
         )
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.some_of import some_of
 from ema_bench_replay.traces.trace_table import read_table
 
 from .columns import Guesses, guess_columns
@@ -25,7 +26,7 @@ def differing_columns(first: Path, guesses: Guesses, others: Sequence[Path], *, 
     for other in others:
         table = read_table(other, needed=lambda header: ())
         missing = {signal: column for signal, column in wanted.items() if column not in table.header}
-        numbers = dict(zip(table.header, table.columns, strict=True))
+        numbers = table.numbers
         empty = frozenset(name for name, column in numbers.items() if np.isnan(column).all())
         theirs = guess_columns(table.header, empty, numbers, guesses.joint.name, slides=slides)
         named = {guess.signal: guess.column for guess in theirs.signals}
@@ -33,14 +34,14 @@ def differing_columns(first: Path, guesses: Guesses, others: Sequence[Path], *, 
             named["time"] = theirs.time.column
         if renamed := [f"{named[signal]!r} for {column!r}" for signal, column in missing.items() if signal in named]:
             raise InputError(
-                f"{other}: has other column names than {first}: {', '.join(renamed)}; give both the same names, "
+                f"{other}: has other column names than {first}: {some_of(renamed)}; give both the same names, "
                 "or run init for each kind of file apart and make recordings of each by its map (ema-twin import --map)"
             )
         if missing:
-            yield f"{other}: lacks the column {', '.join(map(repr, missing.values()))} of {first}: read without it"
+            yield f"{other}: lacks the column {some_of(map(repr, missing.values()))} of {first}: read without it"
         known = {*wanted.values(), *guesses.left}
         if more := [column for signal, column in named.items() if signal not in wanted and column not in known]:
             yield (
-                f"{other}: its {', '.join(map(repr, more))} is not in {first}, from which the map is made, so it is "
+                f"{other}: its {some_of(map(repr, more))} is not in {first}, from which the map is made, so it is "
                 f"not used; list {other} first to use it"
             )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from ema_bench_replay.traces.header_words import COUNTS, header_words
 from ema_bench_replay.units import signal_unit, units_of
@@ -17,13 +18,15 @@ from .model_draft import AS_FINE_AS_NOISE, LAST_DIGIT, ONE_AMPERE_IS
 from .torque_constant import GIVEN, TORQUE_OVER_CURRENT
 from .travel_per_turn import READ_AS_FORCE
 
+_MOTOR_COUNTS, _OUTPUT_COUNTS = "sensors.motor_encoder_counts", "sensors.output_encoder_counts"
+_AT_OUTPUT = re.compile(r"^ *motor_position: .*\bshaft: output\b", re.MULTILINE)
 _TOLD = {
     "machine.gear_ratio": "gear ratio",
     "machine.torque_constant": "torque constant",
     "drive.speed_gain": "speed controller's gain",
     "drive.integral_time": "its integral time",
-    "sensors.motor_encoder_counts": "motor encoder",
-    "sensors.output_encoder_counts": "output encoder",
+    _MOTOR_COUNTS: "motor encoder",
+    _OUTPUT_COUNTS: "output encoder",
     "sensors.current_noise": "noise of the current",
     "sensors.speed_noise": "noise of the speed",
 }
@@ -34,9 +37,13 @@ _HOW = {
 }
 
 
-def shown(model: Model, doubts: Mapping[str, str]) -> list[str]:
-    """What the user gave or the columns say, each as ``name value unit``; not what the drafts mark (``doubts``)."""
-    return [text for path, text in _found(model, doubts) if not _is_estimate(path, model)]
+def shown(model: Model, doubts: Mapping[str, str], map_text: str = "") -> list[str]:
+    """What the user gave or the columns say, each as ``name value unit``; not what the drafts mark (``doubts``).
+
+    Where the map reads the position as the output's angle, its encoder is the output's.
+    """
+    at_output = _AT_OUTPUT.search(map_text) is not None
+    return [text for path, text in _found(model, doubts, at_output) if not _is_estimate(path, model)]
 
 
 def estimated(model: Model, doubts: Mapping[str, str]) -> list[str]:
@@ -44,9 +51,9 @@ def estimated(model: Model, doubts: Mapping[str, str]) -> list[str]:
     return [text for path, text in _found(model, doubts) if _is_estimate(path, model)]
 
 
-def _found(model: Model, doubts: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+def _found(model: Model, doubts: Mapping[str, str], at_output: bool = False) -> Iterator[tuple[str, str]]:
     """Yield (path, ``name value unit``) of what is neither assumed nor marked."""
-    for path, name, value in _values(model):
+    for path, name, value in _values(model, at_output):
         source = model.constants[path].source
         if source != ASSUMED and path not in doubts:
             told = source == TORQUE_OVER_CURRENT or source.startswith(f"{GIVEN}: ")
@@ -113,10 +120,16 @@ def _assumed_unit(columns: Sequence[Guess], why: str, motion: str) -> str:
     return f"{names}: {why} (otherwise add the unit to the name, as in '{first.column} [{other}]', and run init again)"
 
 
-def _values(model: Model) -> Iterator[tuple[str, str, str]]:
-    """Yield (path, name, value with unit) of the constants that a draft may have found."""
+def _values(model: Model, at_output: bool = False) -> Iterator[tuple[str, str, str]]:
+    """Yield (path, name, value with unit) of the constants that a draft may have found.
+
+    ``at_output``: whether the encoder of the motor's position is on the output's shaft.
+    """
     for path, told in _TOLD.items():
         held = model.constants[path]
+        if at_output and path == _MOTOR_COUNTS:
+            told = _TOLD[_OUTPUT_COUNTS]
+            held = replace(held, value=held.value * model.value("machine.gear_ratio"))
         if held.source not in ("", ABSENT, AS_FINE_AS_NOISE):  # a position without steps shows no counts
             name, unit = told, model.unit(path)
             if ONE_AMPERE_IS in held.source:
