@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Any
 
 from ema_bench_replay.errors import InputError
@@ -34,6 +35,11 @@ class JudgedTest:
     def detected(self) -> int:
         """Number of recordings that differ from the healthy ones."""
         return sum(bool(run.detected) for run in self.runs)
+
+    @property
+    def deviates(self) -> bool:
+        """Whether more than half of the judged recordings differ from the healthy ones."""
+        return 2 * self.detected > self.judged
 
     @property
     def named(self) -> Ranked | None:
@@ -70,8 +76,21 @@ class UnitHealth:
 
     @property
     def off(self) -> tuple[JudgedTest, ...]:
-        """The tests of which more than half of the judged recordings differ from the healthy ones."""
-        return tuple(test for test in self.tests if 2 * test.detected > test.judged)
+        """The tests that deviate."""
+        return tuple(test for test in self.tests if test.deviates)
+
+    @property
+    def lasting(self) -> tuple[JudgedTest, ...]:
+        """The deviating tests at the end, since the last one that was like the healthy ones; empty if that is last."""
+        judged = [test for test in self.tests if test.judged]
+        return tuple(takewhile(lambda test: test.deviates, reversed(judged)))[::-1]
+
+    @property
+    def severity(self) -> tuple[bool, float, float]:
+        """Sort key: whether the last test deviates, the share of tests that do, and how far the last of these does."""
+        if not self.off:
+            return False, 0.0, 0.0
+        return bool(self.lasting), len(self.off) / len(self.tests), self.off[-1].worst.distance
 
     def as_json(self) -> dict[str, object]:
         """SI units."""
@@ -85,6 +104,7 @@ class UnitHealth:
                 }
                 for one in self.baselines
             ],
+            "since": self.lasting[0].name if self.lasting else None,
             "tests": [test.as_json() for test in self.tests],
             "remarks": list(self.remarks),
         }
@@ -148,6 +168,16 @@ def unit_health(unit: Unit, healthy: Healthy) -> UnitHealth | None:
         tuple(JudgedTest(name, tuple(its)) for name, its in tests.items()),
         (*learnt.remarks, *acquisition),
     )
+
+
+def sickest_first(units: Iterable[Unit], health: Mapping[str, UnitHealth | None]) -> list[Unit]:
+    """Units by their health, those whose last test deviates first; in their order where health says nothing else."""
+
+    def severity(unit: Unit) -> tuple[bool, float, float]:
+        of = health[unit.name]
+        return (False, 0.0, 0.0) if of is None else of.severity
+
+    return sorted(units, key=severity, reverse=True)
 
 
 def _kinds(runs: Iterable[RunFeatures]) -> list[list[RunFeatures]]:

@@ -19,24 +19,24 @@ from ..campaign.units import Unit
 from ..listing import number_of
 from ..quantities import estimate, quantity
 from ..words.sentences import effect_words
+from ..words.unit_health import TEST_HEAD, test_cells
 from ..words.units import (
     LAST_ERROR,
     LAST_ERROR_IS,
     RESULT_HEAD,
-    TEST_HEAD,
     change_of,
     counts_words,
     fleet_words,
-    health_words,
     life_words,
+    looked_for,
     missing_words,
     moving_words,
     number_words,
+    order_words,
     result_cells,
-    test_cells,
 )
 from .history_chart import history_chart
-from .markup import Markup, items, joined, section, table, tag
+from .markup import Markup, capitalised, items, joined, section, table, tag
 from .whole_page import whole_page
 
 _UNITS = "units"
@@ -73,34 +73,24 @@ def _file(unit: Unit) -> str:
 def _overview(
     units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], health: Mapping[str, UnitHealth | None]
 ) -> str:
+    columns = looked_for(units, ahead, health, lambda looks: ", ".join(moving_words(looks)))
     rows = [
         (
             tag("a", unit.name, href=quote(f"{_UNITS}/{_file(unit)}")),
             str(unit.judged),
             str(unit.refused + unit.failed or ""),
             f"{unit.last:%Y-%m-%d}" if unit.last else "",
-            missing_words(unit),
-            "" if unit.beyond_noise is None else f"{unit.beyond_noise:.1f} ×",
-            ", ".join(moving_words(ahead[unit.name])),
-            health_words(health[unit.name]),
+            *cells,
         )
-        for unit in units
+        for unit, *cells in zip(units, *columns.values(), strict=True)
     ]
-    head = (
-        "unit",
-        "judged",
-        "not judged",
-        "last recorded",
-        "missing effects (results)",
-        LAST_ERROR,
-        "changed",
-        "health",
-    )
-    found = table(head, rows, words=(0, 3, 4, 6, 7))
+    head = ("unit", "judged", "not judged", "last recorded", *columns)
+    found = table(head, rows, words=(0, *(k for k in range(3, len(head)) if head[k] != LAST_ERROR)))
     box = tag("p", tag("label", "Show units with ", Markup('<input type="search" aria-label="filter">')))
-    note = tag("p", LAST_ERROR_IS, class_="aside")
+    notes = [tag("p", f"{capitalised(order_words(units, health))}.", class_="aside")]
+    notes += [tag("p", LAST_ERROR_IS, class_="aside")] if LAST_ERROR in columns else []
     title = number_of(len(units), "unit")
-    body = joined([tag("h1", title), tag("p", fleet_words(units, ahead, health), class_="lead"), box, found, note])
+    body = joined([tag("h1", title), tag("p", fleet_words(units, ahead, health), class_="lead"), box, found, *notes])
     return whole_page(title, body, script=_FILTER)
 
 
