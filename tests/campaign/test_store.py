@@ -12,6 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from ema_bench_replay.errors import InputError
+from ema_twin_sim.campaign.copies import copies_across
 from ema_twin_sim.campaign.healthy import BY_DEFAULT, Healthy
 from ema_twin_sim.campaign.histories import outlooks, read_limits, stands_still
 from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED, SCHEMA
@@ -133,6 +134,18 @@ class TestUnits:
         told = "\n".join(unit.remarks)
         for part in ("linear and rotary machines", "have different signals", "b is a copy of a", "one recording"):
             assert part in told
+
+    def test_a_recording_that_stands_under_several_units_is_named_once(self):
+        def units(*places):
+            return units_of([a_row(unit, name, key=f"{unit} {name}", content=[of]) for unit, name, of in places])
+
+        assert copies_across(units(("A", "a", "1"), ("A", "copy", "1"), ("B", "b", "2"))) == []
+        (told,) = copies_across(units(("A", "a", "1"), ("B", "b", "1")))
+        assert told.startswith("a recording stands under A (a) and B (b) with the same samples")
+        assert copies_across(units(("A", "a", "1"), ("B", "b", "1"), ("C", "c", "2")), "C") == []
+        (told,) = copies_across(units(*((unit, name, name) for unit in "ABCDEFG" for name in "123")))
+        assert told.startswith("3 recordings of 7 units stand under several units with the same samples, the first ")
+        assert "under A (1), B (1), C (1), D (1) and 3 more" in told
 
     def test_clocks_that_disagree_are_named(self):
         of = {"motion": "rotary", "signals": [], "errors": [], "duration": 10.0}

@@ -165,7 +165,7 @@ def _of_recordings(recordings: Sequence[Recording]) -> Row:
     starts = [recording.start for recording in recordings if recording.start != NO_DATE]
     motions = sorted({recording.motion for recording in recordings})
     return {
-        "time": datetime.fromtimestamp(min(starts) * 1e-9, timezone.utc) if starts else None,
+        "time": datetime.fromtimestamp(max(starts) * 1e-9, timezone.utc) if starts else None,
         "duration": sum(recording.duration for recording in recordings),
         "samples": sum(len(recording) for recording in recordings),
         "motion": " and ".join(motions),

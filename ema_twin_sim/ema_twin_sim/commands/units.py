@@ -80,6 +80,7 @@ def run(
     """
     from ema_bench_replay.errors import InputError
 
+    from ..campaign.copies import copies_across
     from ..campaign.healthy import Healthy
     from ..campaign.healthy_chosen import check_choice
     from ..campaign.histories import FEWEST_HEALTHY, outlooks, read_limits
@@ -96,6 +97,7 @@ def run(
     known_good = Healthy.of(healthy, FEWEST_HEALTHY)
     found = units_of(Store.opened(results).rows())
     names = tuple(one.name for one in found)
+    copies = copies_across(found, unit)
     if unit is not None:
         found = [one for one in found if one.name == unit]
         if not found:
@@ -129,7 +131,7 @@ def run(
     of_health = ((one.name, of) for one in found if (of := health[one.name]) is not None)
     remarks = [f"{one.name}: {remark}" for one in found for remark in one.remarks]
     remarks += [f"{name}: {remark}" for name, of in of_health for remark in of.remarks]
-    for warning in by_recording([*short, *remarks]):
+    for warning in [*copies, *by_recording([*short, *remarks])]:
         warn(warning)
     if rrd is not None and unit is not None:
         from ..views.unit_history import write_unit_history
@@ -140,7 +142,7 @@ def run(
     if page is not None:
         from ..report.fleet import write_fleet
 
-        overview = write_fleet(page, found, ahead, health, force=force)
+        overview = write_fleet(page, found, ahead, health, copies, force=force)
         say(f"{overview}: open it in any browser")
     write_json(json, [_json(one, ahead[one.name], health[one.name]) for one in found])
 

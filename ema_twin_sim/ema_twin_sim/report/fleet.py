@@ -52,15 +52,16 @@ def write_fleet(
     units: Sequence[Unit],
     ahead: Mapping[str, Sequence[Outlook]],
     health: Mapping[str, UnitHealth | None],
+    remarks: Sequence[str] = (),
     *,
     force: bool = False,
 ) -> Path:
-    """Write the pages; return the path of the one of all units.
+    """Write the pages; return the path of the one of all units, which says the remarks on several units.
 
     Raises InputError if it exists (without ``force``) or cannot be written.
     """
     overview = folder / "index.html"
-    write_text(overview, _overview(units, ahead, health), force=force)
+    write_text(overview, _overview(units, ahead, health, remarks), force=force)
     for unit in units:
         write_text(folder / _UNITS / _file(unit), _unit(unit, ahead[unit.name], health[unit.name]), force=True)
     return overview
@@ -71,7 +72,10 @@ def _file(unit: Unit) -> str:
 
 
 def _overview(
-    units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], health: Mapping[str, UnitHealth | None]
+    units: Sequence[Unit],
+    ahead: Mapping[str, Sequence[Outlook]],
+    health: Mapping[str, UnitHealth | None],
+    remarks: Sequence[str],
 ) -> str:
     columns = looked_for(units, ahead, health, lambda looks: ", ".join(moving_words(looks)))
     rows = [
@@ -87,10 +91,13 @@ def _overview(
     head = ("unit", "judged", "not judged", "last recorded", *columns)
     found = table(head, rows, words=(0, *(k for k in range(3, len(head)) if head[k] != LAST_ERROR)))
     box = tag("p", tag("label", "Show units with ", Markup('<input type="search" aria-label="filter">')))
+    said = [items(*map(capitalised, remarks))] if remarks else []
     notes = [tag("p", f"{capitalised(order_words(units, health))}.", class_="aside")]
     notes += [tag("p", LAST_ERROR_IS, class_="aside")] if LAST_ERROR in columns else []
     title = number_of(len(units), "unit")
-    body = joined([tag("h1", title), tag("p", fleet_words(units, ahead, health), class_="lead"), box, found, *notes])
+    body = joined(
+        [tag("h1", title), tag("p", fleet_words(units, ahead, health), class_="lead"), *said, box, found, *notes]
+    )
     return whole_page(title, body, script=_FILTER)
 
 
