@@ -212,7 +212,7 @@ def _change(of: History, false_alarm: float) -> ChangePoint | None:
     begun = np.flatnonzero(of.healthy | np.logical_or.accumulate(of.healthy))
     order = begun[np.argsort(~of.healthy[begun], kind="stable")]
     count = int(of.healthy.sum())
-    if count == len(order):
+    if count == len(order) or count < FEWEST_HEALTHY:
         return None
     found = change_point(of.values[order], of.own_errors[order], count, false_alarm)
     if found is None:

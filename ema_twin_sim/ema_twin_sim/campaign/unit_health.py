@@ -21,7 +21,7 @@ from .units import Unit
 
 @dataclass(frozen=True, eq=False)
 class JudgedTest:
-    """The judged recordings of one test; none of them was learnt from."""
+    """The judged recordings of one test."""
 
     name: str
     runs: tuple[HealthJudgement, ...]
@@ -71,7 +71,8 @@ class UnitHealth:
     """A unit's health: a baseline for each kind of motion, and the judged tests in their order."""
 
     baselines: tuple[Baseline, ...]
-    tests: tuple[JudgedTest, ...]
+    tests: tuple[JudgedTest, ...]  # none of them was learnt from
+    reference: tuple[JudgedTest, ...]  # those that were learnt from, if any of the others deviates
     remarks: tuple[str, ...]  # recordings that could not be learnt from or judged, and why
 
     @property
@@ -159,15 +160,24 @@ def unit_health(unit: Unit, healthy: Healthy) -> UnitHealth | None:
     acquisition = dict.fromkeys(
         finding for run in runs if run.features is not None for finding in run.acquisition.findings
     )
-    tests: dict[str, list[HealthJudgement]] = {}
-    for run, flag in zip(runs, flags, strict=True):
-        if learnt.kinds and not flag:
-            tests.setdefault(run.test, []).append(learnt.judge(run))
+    if not learnt.kinds:
+        return UnitHealth((), (), (), (*learnt.remarks, *acquisition))
+    tests = _judged(learnt, (run for run, flag in zip(runs, flags, strict=True) if not flag))
+    reference = (run for run, flag in zip(runs, flags, strict=True) if flag)
     return UnitHealth(
         tuple(baseline for _, baseline in learnt.kinds),
-        tuple(JudgedTest(name, tuple(its)) for name, its in tests.items()),
+        tests,
+        _judged(learnt, reference) if any(test.deviates for test in tests) else (),
         (*learnt.remarks, *acquisition),
     )
+
+
+def _judged(learnt: Learnt, runs: Iterable[RunFeatures]) -> tuple[JudgedTest, ...]:
+    """Judge runs; the tests in the order of their first ones."""
+    tests: dict[str, list[HealthJudgement]] = {}
+    for run in runs:
+        tests.setdefault(run.test, []).append(learnt.judge(run))
+    return tuple(JudgedTest(name, tuple(its)) for name, its in tests.items())
 
 
 def sickest_first(units: Iterable[Unit], health: Mapping[str, UnitHealth | None]) -> list[Unit]:

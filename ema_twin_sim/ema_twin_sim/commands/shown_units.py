@@ -9,7 +9,7 @@ from rich.markup import escape
 
 from ..listing import number_of
 from ..quantities import estimate, quantity
-from ..words.unit_health import TEST_HEAD, test_cells
+from ..words.unit_health import TEST_HEAD, course_words, test_cells
 from ..words.units import (
     LAST_ERROR,
     LAST_ERROR_IS,
@@ -88,8 +88,8 @@ def show_recordings(one: Unit, most: int | None) -> None:
     console.print(table)
 
 
-def show_health(health: UnitHealth | None, most: int | None) -> None:
-    """Print how a unit's tests differ from its healthy ones; of more than ``most``, the farthest."""
+def show_health(health: UnitHealth | None, courses: Sequence[Outlook], most: int | None) -> None:
+    """Print how a unit's tests differ from its healthy ones, and how; of more than ``most`` tests, the farthest."""
     if health is None or not health.tests:
         return
     for one in health.baselines:
@@ -110,6 +110,9 @@ def show_health(health: UnitHealth | None, most: int | None) -> None:
         table.add_row(*map(escape, test_cells(test)))
     console.print(table)
     say("Distance: the largest distance from the healthy recordings, in times the limit.")
+    for look in courses:
+        said = course_words(look)
+        say(f"{said[:1].upper()}{said[1:]}.")
 
 
 def show_numbers(looks: Sequence[Outlook], most: int | None) -> None:

@@ -81,6 +81,7 @@ def run(
     from ema_bench_replay.errors import InputError
 
     from ..campaign.copies import copies_across
+    from ..campaign.feature_courses import feature_courses
     from ..campaign.healthy import Healthy
     from ..campaign.healthy_chosen import check_choice
     from ..campaign.histories import FEWEST_HEALTHY, outlooks, read_limits
@@ -115,7 +116,7 @@ def run(
     most = None if whole else _ROWS
     if unit is not None:
         say(f"{unit}: {' '.join(unit_words(found[0], ahead[unit], health[unit]))}")
-        show_health(health[unit], most)
+        show_health(health[unit], feature_courses(found[0], health[unit]), most)
         show_numbers(ahead[unit], most)
         show_recordings(found[0], most)
     else:

@@ -7,12 +7,15 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..listing import number_of
+from ..quantities import estimate
 
 if TYPE_CHECKING:
+    from ..campaign.histories import Outlook
     from ..campaign.unit_health import JudgedTest, UnitHealth
 
 TEST_HEAD = ("test", "deviating", "distance / limit", "fault family", "what changed")
 """Headings of a unit's tests, compared with its healthy ones."""
+_MONTH = 30.0  # days
 _SHOWN = 3
 """Number of fault families that are named."""
 
@@ -51,6 +54,25 @@ def tests_words(health: Sequence[UnitHealth], tests: str) -> str:
     told += [number_of(others, "other")] if others else []
     total = sum(len(of.tests) for of in health)
     return f"{len(off)} of {total} {tests}{': ' if told else ''}{', '.join(told)}"
+
+
+def course_words(look: Outlook) -> str:
+    """How far a feature is from the healthy tests, and how it changes: *friction: 24 standard deviations above …*."""
+    of, trend = look.history, look.trend
+    last = float(of.values[-1])
+    told = (
+        f"{feature_words(look)}: in the last test {abs(last):.{0 if abs(last) > 10.0 else 1}f} standard deviations "
+        f"{'above' if last > 0.0 else 'below'} the healthy"
+    )
+    if trend is None:
+        return f"{told}, without a trend" if of.dated else told
+    slope = estimate(abs(trend.slope) * _MONTH, trend.slope_error * _MONTH, "1")
+    return f"{told}, {'rising' if trend.slope > 0.0 else 'falling'} by {slope} a month"
+
+
+def feature_words(look: Outlook) -> str:
+    """A feature's name: *fast roughness*."""
+    return look.history.name.replace("_", " ")
 
 
 def test_cells(test: JudgedTest) -> tuple[str, ...]:
