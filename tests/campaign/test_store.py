@@ -248,6 +248,24 @@ class TestHistories:
         (look,) = outlooks(self.a_unit(values, std=10.0), {}, healthy=Healthy(12))
         assert (look.change.begin, look.change.alarm) == (15, 15)
 
+    def test_what_is_negligible_beside_its_kind_is_no_change_unless_it_has_a_limit(self):
+        """Two dry frictions: 30 mN m at the motor, and one at the output that leaves its bound for 14 µN m."""
+        drawn = np.random.default_rng(3)
+        small = np.where(np.arange(30) < 20, 0.0, 14e-6) + 1e-7 * drawn.normal(size=30)
+        unit = self.a_unit(small, 2e-7)
+        for row, large in zip(unit.rows, 0.03 + 1e-4 * drawn.normal(size=30), strict=True):
+            (held,) = row["parameters"]
+            held |= {"owner": "coulomb_friction_2", "name": "torque", "unit": "N m"}
+            other = {"owner": "coulomb_friction", "name": "torque", "value": large, "std": 1e-4, "unit": "N m"}
+            row["parameters"].append(other)
+        told = {look.history.owner: look for look in outlooks(unit, {})}
+        assert told["coulomb_friction_2"].change is None and told["coulomb_friction_2"].trend is None
+        (look, _) = outlooks(unit, {"coulomb_friction_2.torque": 1e-3})
+        assert look.history.owner == "coulomb_friction_2" and look.change is not None
+        for row in unit.rows:
+            row["parameters"].pop()
+        assert outlooks(unit, {})[0].change is not None  # alone of its kind, it is what there is
+
     def test_a_number_on_its_bound_is_as_sure_as_it_was_told(self):
         """No play is found as 0 again and again; the first fit that gives a little more is no change, and play is."""
         values = np.zeros(18)
