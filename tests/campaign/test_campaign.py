@@ -2,10 +2,13 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from ema_bench_replay.bags.bag_writer import write_bag
 from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
 from ema_twin_sim.campaign.engine import Outcome
 from ema_twin_sim.campaign.jobs import Grouping, Job, Task, find_jobs
 from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED
@@ -34,6 +37,12 @@ class TestJobs:
         jobs = find_jobs(Grouping.of(tmp_path, pattern, "unit"), COMPARE, tell=told.append)
         assert [(job.unit, job.time.day) for job in jobs] == [("EMA7", 1), ("EMA8", 2)]
         assert "notes.csv" in told[0]
+
+    def test_recordings_that_are_judged_together_have_the_time_of_the_last(self, tmp_path):
+        put(tmp_path, "EMA7_2026-03-01.csv", "EMA7_2026-03-09.csv", "EMA7_2026-03-05.csv")
+        grouping = Grouping.of(tmp_path, r"(?P<unit>EMA\d+)_(?P<time>[\d-]+)", "unit")
+        (job,) = find_jobs(grouping, COMPARE)
+        assert job.time.day == 9
 
     def test_a_time_that_is_none_leaves_one_recording_out(self, tmp_path):
         put(tmp_path, "EMA7_2026-03-01.csv", "EMA7_2026-13-01.csv", "EMA8_2026-03-02.csv")
@@ -128,6 +137,14 @@ class TestWork:
             file.unlink()
         (row,) = judged(find_jobs(Grouping.of(folder, None, "unit"), COMPARE)[-1], COMPARE)
         assert row["status"] == REFUSED
+
+    def test_a_unit_that_is_judged_as_a_whole_was_last_recorded_when_its_last_recording_was(self, tmp_path):
+        for day in (1, 9):
+            start = (1_770_000_000 + 86_400 * day) * 10**9
+            of = Recording(f"{day}", np.arange(0, 10**9, 10**7), {"current": np.ones(100)}, start)
+            write_bag(of, tmp_path / "A")
+        (row,) = judged(find_jobs(Grouping.of(tmp_path, None, "unit"), COMPARE)[0], COMPARE)
+        assert row["time"].timestamp() == 1_770_000_000 + 86_400 * 9
 
     def test_a_recording_whose_end_is_cut_is_told_of_and_judged(self, folder):
         whole, torn = next((folder / "A").glob("*.CSV")), folder / "B" / "torn.CSV"

@@ -7,7 +7,9 @@ from datetime import datetime, timezone
 import numpy as np
 import pytest
 
+from ema_bench_replay.bags.bag_writer import write_bag
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
 from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.traces.many_runs import read_runs
 from ema_twin_sim.campaign.campaign import outcome
@@ -193,6 +195,30 @@ def test_tests_are_told_by_paths_and_days(tmp_path):
     pattern = r"(?P<unit>U1)/(?P<test>\w+)?"
     named = find_jobs(Grouping.of(tmp_path, pattern, "recording"), HEALTH)
     assert {job.name: job.test for job in named} == {"U1/monday/a.csv": "monday", "U1/b.csv": "b"}
+
+
+def test_without_a_position_the_speed_is_integrated(tmp_path):
+    """A stroke of 3 rad there and back at 1 rad/s; of its speed alone the same friction is found, and no wave."""
+    time = np.arange(0.0, 8.0, 0.01)
+    speed = np.select([time < 3.0, (time > 4.0) & (time < 7.0)], [1.0, -1.0])
+    current = np.sign(speed) + 0.02 * np.random.default_rng(4).normal(size=len(time))
+    position = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * 0.01)])
+    stamps = (1e9 * time).round().astype(np.int64)
+    for name, motion in (("speed", {"speed": speed}), ("position", {"motor_position": position})):
+        write_bag(Recording(name, stamps, {"current": current, **motion}), tmp_path)
+    jobs = find_jobs(Grouping.of(tmp_path, r"(?P<unit>speed|position)", "recording"), Task("health", ""))
+    held = {job.unit: judged(job, Task("health", ""))[0] for job in jobs}
+    of = {unit: run_of(unit, row["health"]) for unit, row in held.items()}
+    levels = [of[unit].features.values["friction"].value for unit in ("speed", "position")]
+    assert levels == pytest.approx([1.0, 1.0], abs=0.02)
+    assert of["speed"].position_unit == "rad" and np.isnan(of["speed"].wavelength)
+    assert "its speed is integrated instead" in held["speed"]["warnings"][0]
+
+
+def test_what_has_neither_position_nor_speed_is_refused(tmp_path):
+    write_bag(Recording("A", np.arange(100) * 10_000_000, {"current": np.ones(100)}), tmp_path)
+    (job,) = find_jobs(Grouping.of(tmp_path, None, "recording"), Task("health", ""))
+    assert "holds no position and no speed, by which health is judged" in judged(job, Task("health", ""))[0]["message"]
 
 
 def test_a_run_without_motion_keeps_why():

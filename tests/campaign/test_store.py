@@ -12,6 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from ema_bench_replay.errors import InputError
+from ema_twin_sim.campaign.copies import copies_across
 from ema_twin_sim.campaign.healthy import BY_DEFAULT, Healthy
 from ema_twin_sim.campaign.histories import outlooks, read_limits, stands_still
 from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED, SCHEMA
@@ -134,6 +135,18 @@ class TestUnits:
         for part in ("linear and rotary machines", "have different signals", "b is a copy of a", "one recording"):
             assert part in told
 
+    def test_a_recording_that_stands_under_several_units_is_named_once(self):
+        def units(*places):
+            return units_of([a_row(unit, name, key=f"{unit} {name}", content=[of]) for unit, name, of in places])
+
+        assert copies_across(units(("A", "a", "1"), ("A", "copy", "1"), ("B", "b", "2"))) == []
+        (told,) = copies_across(units(("A", "a", "1"), ("B", "b", "1")))
+        assert told.startswith("a recording stands under A (a) and B (b) with the same samples")
+        assert copies_across(units(("A", "a", "1"), ("B", "b", "1"), ("C", "c", "2")), "C") == []
+        (told,) = copies_across(units(*((unit, name, name) for unit in "ABCDEFG" for name in "123")))
+        assert told.startswith("3 recordings of 7 units stand under several units with the same samples, the first ")
+        assert "under A (1), B (1), C (1), D (1) and 3 more" in told
+
     def test_clocks_that_disagree_are_named(self):
         of = {"motion": "rotary", "signals": [], "errors": [], "duration": 10.0}
         at = partial(datetime.fromtimestamp, tz=timezone.utc)
@@ -234,6 +247,24 @@ class TestHistories:
         values[15:] += 10.0
         (look,) = outlooks(self.a_unit(values, std=10.0), {}, healthy=Healthy(12))
         assert (look.change.begin, look.change.alarm) == (15, 15)
+
+    def test_what_is_negligible_beside_its_kind_is_no_change_unless_it_has_a_limit(self):
+        """Two dry frictions: 30 mN m at the motor, and one at the output that leaves its bound for 14 µN m."""
+        drawn = np.random.default_rng(3)
+        small = np.where(np.arange(30) < 20, 0.0, 14e-6) + 1e-7 * drawn.normal(size=30)
+        unit = self.a_unit(small, 2e-7)
+        for row, large in zip(unit.rows, 0.03 + 1e-4 * drawn.normal(size=30), strict=True):
+            (held,) = row["parameters"]
+            held |= {"owner": "coulomb_friction_2", "name": "torque", "unit": "N m"}
+            other = {"owner": "coulomb_friction", "name": "torque", "value": large, "std": 1e-4, "unit": "N m"}
+            row["parameters"].append(other)
+        told = {look.history.owner: look for look in outlooks(unit, {})}
+        assert told["coulomb_friction_2"].change is None and told["coulomb_friction_2"].trend is None
+        (look, _) = outlooks(unit, {"coulomb_friction_2.torque": 1e-3})
+        assert look.history.owner == "coulomb_friction_2" and look.change is not None
+        for row in unit.rows:
+            row["parameters"].pop()
+        assert outlooks(unit, {})[0].change is not None  # alone of its kind, it is what there is
 
     def test_a_number_on_its_bound_is_as_sure_as_it_was_told(self):
         """No play is found as 0 again and again; the first fit that gives a little more is no change, and play is."""

@@ -1,10 +1,13 @@
 """What `units` prints: what was found over all units first, then tables of a bounded size."""
 
+import re
+
 import pytest
 
 from ema_twin_sim.campaign.results import DONE, REFUSED
 from ema_twin_sim.campaign.store import Store
 from tests.command_line import done, refused
+from tests.health_results import health_results
 from tests.stored_rows import complete
 
 LACKS = ["backlash"], ["backlash", "stribeck_friction"], [], None
@@ -48,3 +51,50 @@ def test_tables_are_bounded_unless_all_is_asked_for(results):
 def test_a_mistyped_unit_or_pattern_is_told_with_what_may_be_meant(results):
     refused("units", results, "--unit", "EMA_012", naming=["did you mean 'EMA-012'?"])
     refused("units", results, "--healthy", "rnu", naming=["no result has a name with that, as 'run 0' is one"])
+
+
+@pytest.fixture(scope="module")
+def fleet(tmp_path_factory):
+    """Thirty units with twenty tests each; the last two have more friction, from the 13th and from the 16th on."""
+    folder = tmp_path_factory.mktemp("health") / "r"
+    store = Store.made(folder)
+    for unit in range(30):
+        worn = {28: 12, 29: 15}.get(unit, 20)
+        store.write(health_results(f"U{unit:02}", [1.0] * worn + [1.5] * (20 - worn), seed=unit))
+    return folder
+
+
+def test_units_that_deviate_come_first_with_since_when(fleet):
+    told = printed(fleet, "--healthy", "8")
+    assert "the first 20 of 30 units (--all shows all), those whose last test deviates first" in " ".join(told.split())
+    rows = [line for line in told.splitlines() if line.startswith("│U")]
+    assert [row[1:4] for row in rows[:2]] == ["U28", "U29"]
+    assert "tests deviate, all since" in rows[0] and "error left" not in told
+
+
+def test_the_families_of_all_tests_add_up(fleet):
+    first = " ".join(printed(fleet, "--healthy", "8").split())
+    off = re.search(r"\((\d+) of 360 tests: ([^)]*)\)", first)
+    assert int(off[1]) == sum(int(part.split()[0 if "other" in part else -1]) for part in off[2].split(", "))
+
+
+def test_a_choice_of_healthy_results_that_leaves_nothing_to_compare_is_refused(fleet):
+    refused("units", fleet, "--healthy", "25", naming=["no unit has more than 20 results; give 4 to 19"])
+    refused("units", fleet, "--unit", "U04", "--healthy", "2023", naming=["U04 has 20 results"])
+    refused("units", fleet, "--healthy", "csv", naming=["all results have a name with that"])
+    refused("units", fleet, "--unit", "U04", "--healthy", "2022-", naming=["no result of U04 has a name with that"])
+
+
+def test_single_units_with_too_few_results_are_warned_of(fleet, tmp_path):
+    store = Store.made(tmp_path / "r")
+    for unit, count in (("A", 20), ("B", 6), ("C", 6)):
+        store.write(health_results(unit, [1.0] * count))
+    told = done("units", tmp_path / "r", "--healthy", "8")
+    assert "warning: B and C: all its 6 results are healthy by --healthy 8, so none is left to compare" in told.stderr
+    assert "not judged: all its tests" in told.stdout and "(0 others)" not in told.stdout
+
+
+def test_of_inputs_that_were_all_refused_it_is_told_that_none_was_judged(tmp_path):
+    of = {"status": REFUSED, "message": "no rows", "task": "health"}
+    Store.made(tmp_path / "r").write(complete({"unit": "A", "name": str(k), "key": str(k), **of} for k in range(3)))
+    assert printed(tmp_path / "r").startswith("1 unit: none of its 3 inputs could be judged")

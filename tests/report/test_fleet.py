@@ -9,12 +9,16 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
+from ema_twin_sim.campaign.feature_courses import feature_courses
 from ema_twin_sim.campaign.healthy import Healthy
 from ema_twin_sim.campaign.histories import outlooks
 from ema_twin_sim.campaign.results import DONE, REFUSED
+from ema_twin_sim.campaign.unit_health import sickest_first, unit_health
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.report.fleet import write_fleet
 from ema_twin_sim.views.unit_history import write_unit_history
+from ema_twin_sim.words.unit_health import course_words
+from tests.health_results import health_results
 from tests.rrd_content import RrdContent
 from tests.stored_rows import complete
 
@@ -117,3 +121,31 @@ def test_an_overview_that_exists_is_not_replaced(pages, units):
     overview, _ = pages
     with pytest.raises(InputError, match="exists already"):
         write_fleet(overview.parent, units, {unit.name: [] for unit in units}, {unit.name: None for unit in units})
+
+
+def test_the_features_that_deviate_are_followed_over_the_tests(tmp_path):
+    """Friction that rises from the 13th of 20 days on, 3 % a day, where days differ by 1 %; the other unit is well."""
+    worn = [1.0] * 12 + [1.0 + 0.03 * day for day in range(1, 9)]
+    units = units_of([*health_results("worn", worn, seed=4), *health_results("well", [1.0] * 20, seed=5)])
+    health = {unit.name: unit_health(unit, Healthy(8)) for unit in units}
+    write_fleet(tmp_path / "fleet", sickest_first(units, health), {unit.name: [] for unit in units}, health)
+    assert re.findall(r">(\w+)</a>", (tmp_path / "fleet" / "index.html").read_text()) == ["worn", "well"]
+    page = (tmp_path / "fleet" / "units" / "worn.html").read_text()
+    assert re.search(r"Friction: in the last test \d+ standard deviations above the healthy, rising by \d+", page)
+    assert page.count("<circle") == 20 and "friction, in standard deviations of the healthy tests" in page
+    assert "No number shows a trend" not in page and "No error" not in page and "Missing in its model" not in page
+    assert "compared with its healthy ones, and with no model" in page
+    assert "No test deviates, so no trend" in (tmp_path / "fleet" / "units" / "well.html").read_text()
+
+
+def test_a_step_of_a_feature_that_stays_is_no_trend():
+    (unit,) = units_of(health_results("A", [1.0] * 10 + [1.3] * 10, seed=7))
+    (look,) = feature_courses(unit, unit_health(unit, Healthy(8)))
+    assert look.history.name == "friction" and look.change is not None and look.trend is None
+
+
+def test_without_dates_a_feature_has_no_trend():
+    rows = [{**row, "time": None} for row in health_results("A", [1.0] * 10 + [1.3] * 10, seed=7)]
+    (unit,) = units_of(rows)
+    (look,) = feature_courses(unit, unit_health(unit, Healthy(8)))
+    assert look.change is None and look.trend is None and "trend" not in course_words(look)

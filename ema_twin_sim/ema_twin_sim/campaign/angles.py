@@ -13,9 +13,14 @@ from ..effects import catalogue
 
 def is_angle(path: str) -> bool:
     """Whether a number (``sun_runout.phase``) is an effect's periodic angle; the owner's name may end in a number."""
-    owner, _, name = path.rpartition(".")
-    effect = catalogue().get(re.sub(r"_\d+$", "", owner))
+    owner, _, name = like_path(path).rpartition(".")
+    effect = catalogue().get(owner)
     return effect is not None and any(p.name == name and p.periodic for p in effect.parameters)
+
+
+def like_path(path: str) -> str:
+    """A number's path without the count of its effect: ``coulomb_friction.torque`` of ``coulomb_friction_2.torque``."""
+    return re.sub(r"_\d+(?=\.[^.]*$)", "", path)
 
 
 def within_half_a_turn(angles: np.ndarray) -> np.ndarray:

@@ -11,12 +11,12 @@ import numpy as np
 from ema_bench_replay.checked_yaml import Checker, read_yaml
 from ema_bench_replay.errors import InputError
 
-from ..criteria import PART
+from ..criteria import NEGLIGIBLE, PART
 from ..health.change_point import ChangePoint, change_point
 from ..health.drift import Drift, drift
 from ..health.false_alarms import FALSE_ALARM_OF_HISTORY
 from ..health.remaining_life import Margin, RemainingLife, margin, remaining_life
-from .angles import is_angle, is_known
+from .angles import is_angle, is_known, like_path
 from .healthy import BY_DEFAULT, Healthy
 from .results import DONE
 from .units import Unit
@@ -212,7 +212,7 @@ def _change(of: History, false_alarm: float) -> ChangePoint | None:
     begun = np.flatnonzero(of.healthy | np.logical_or.accumulate(of.healthy))
     order = begun[np.argsort(~of.healthy[begun], kind="stable")]
     count = int(of.healthy.sum())
-    if count == len(order):
+    if count == len(order) or count < FEWEST_HEALTHY:
         return None
     found = change_point(of.values[order], of.own_errors[order], count, false_alarm)
     if found is None:
@@ -229,12 +229,27 @@ def _mean(values: np.ndarray, errors: np.ndarray) -> float:
 def outlooks(unit: Unit, limits: Mapping[str, float], healthy: Healthy = BY_DEFAULT) -> list[Outlook]:
     """The outlooks of all histories of a unit, those that changed most in their standard errors first.
 
-    By chance, one in 1 / FALSE_ALARM_OF_HISTORY results shows a change of any number; the numbers share that rate.
+    By chance, one in 1 / FALSE_ALARM_OF_HISTORY results shows a change of any number; the numbers share that rate. Of a
+    number that is a negligible part of its kind, neither a change nor a trend is told, unless it has a limit.
     """
     held = histories(unit, healthy)
     rate = FALSE_ALARM_OF_HISTORY / max(len(held), 1)
     found = [outlook(history, limits.get(history.path), rate) for history in held]
+    found = [replace(one, change=None, trend=None) if _is_trivial(one, found) else one for one in found]
     return sorted(found, key=lambda one: -abs(one.change.distance) if one.change else 0.0)
+
+
+def _is_trivial(look: Outlook, looks: Sequence[Outlook]) -> bool:
+    """Whether a number has no limit and is negligible beside the same number of like effects: one of two dry frictions.
+
+    What a fit gives to the one, it takes from the other.
+    """
+
+    def size(of: Outlook) -> float:
+        return max(abs(of.healthy), abs(of.now))
+
+    like = [one for one in looks if like_path(one.history.path) == like_path(look.history.path)]
+    return look.limit is None and size(look) < NEGLIGIBLE * sum(map(size, like))
 
 
 def read_limits(file: Path | None) -> dict[str, float]:

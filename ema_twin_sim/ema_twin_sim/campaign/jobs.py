@@ -52,7 +52,7 @@ class Job:
     unit: str
     name: str  # of the recording, of its folder, or of the unit
     recordings: tuple[tuple[str, ...], ...]  # the path of each, or the files of one that a recorder has split
-    time: datetime | None = None  # from the path; None if only the recording may have it
+    time: datetime | None = None  # from the path, of the last recording; None if only the recording may have it
     test: str | None = None  # from the path, likewise: what was set up once
     apart: bool = True  # whether each run of a file that holds many has a result of its own
 
@@ -187,7 +187,7 @@ def find_jobs(
             unit,
             name,
             tuple(tuple(map(str, parts)) for parts, _ in recordings),
-            min((place.time for _, place in recordings if place.time is not None), default=None),
+            max((place.time for _, place in recordings if place.time is not None), default=None),
             recordings[0][1].test,
             grouping.together == APART,
         )

@@ -69,7 +69,7 @@ SCHEMA = pa.schema(
         ("model", pa.string()),
         ("status", pa.string()),  # done, refused or failed
         ("message", pa.string()),  # why it was refused, or failed
-        ("time", pa.timestamp("us", "UTC")),  # of the recording; null if unknown
+        ("time", pa.timestamp("us", "UTC")),  # of the recording, of several judged together the last; null if unknown
         ("duration", pa.float64()),  # s, of all its recordings together
         ("samples", pa.int64()),
         ("motion", pa.string()),  # rotary or linear

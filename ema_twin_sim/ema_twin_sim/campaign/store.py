@@ -122,7 +122,7 @@ class Store:
 
         with duckdb.connect() as database:
             database.execute("SET autoinstall_known_extensions = false; SET autoload_known_extensions = false")
-            database.execute("SET TimeZone = 'UTC'")
+            database.execute("SET TimeZone = 'UTC'; SET enable_progress_bar = false")
             pattern = f"{self._files}/*/*.parquet".replace("'", "''")
             database.execute(
                 f"CREATE VIEW written AS SELECT * FROM read_parquet('{pattern}', hive_partitioning = false)"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Any
 
 from ema_bench_replay.errors import InputError
@@ -20,7 +21,7 @@ from .units import Unit
 
 @dataclass(frozen=True, eq=False)
 class JudgedTest:
-    """The judged recordings of one test; none of them was learnt from."""
+    """The judged recordings of one test."""
 
     name: str
     runs: tuple[HealthJudgement, ...]
@@ -34,6 +35,11 @@ class JudgedTest:
     def detected(self) -> int:
         """Number of recordings that differ from the healthy ones."""
         return sum(bool(run.detected) for run in self.runs)
+
+    @property
+    def deviates(self) -> bool:
+        """Whether more than half of the judged recordings differ from the healthy ones."""
+        return 2 * self.detected > self.judged
 
     @property
     def named(self) -> Ranked | None:
@@ -65,13 +71,27 @@ class UnitHealth:
     """A unit's health: a baseline for each kind of motion, and the judged tests in their order."""
 
     baselines: tuple[Baseline, ...]
-    tests: tuple[JudgedTest, ...]
+    tests: tuple[JudgedTest, ...]  # none of them was learnt from
+    reference: tuple[JudgedTest, ...]  # those that were learnt from, if any of the others deviates
     remarks: tuple[str, ...]  # recordings that could not be learnt from or judged, and why
 
     @property
     def off(self) -> tuple[JudgedTest, ...]:
-        """The tests of which more than half of the judged recordings differ from the healthy ones."""
-        return tuple(test for test in self.tests if 2 * test.detected > test.judged)
+        """The tests that deviate."""
+        return tuple(test for test in self.tests if test.deviates)
+
+    @property
+    def lasting(self) -> tuple[JudgedTest, ...]:
+        """The deviating tests at the end, since the last one that was like the healthy ones; empty if that is last."""
+        judged = [test for test in self.tests if test.judged]
+        return tuple(takewhile(lambda test: test.deviates, reversed(judged)))[::-1]
+
+    @property
+    def severity(self) -> tuple[bool, float, float]:
+        """Sort key: whether the last test deviates, the share of tests that do, and how far the last of these does."""
+        if not self.off:
+            return False, 0.0, 0.0
+        return bool(self.lasting), len(self.off) / len(self.tests), self.off[-1].worst.distance
 
     def as_json(self) -> dict[str, object]:
         """SI units."""
@@ -85,6 +105,7 @@ class UnitHealth:
                 }
                 for one in self.baselines
             ],
+            "since": self.lasting[0].name if self.lasting else None,
             "tests": [test.as_json() for test in self.tests],
             "remarks": list(self.remarks),
         }
@@ -139,15 +160,34 @@ def unit_health(unit: Unit, healthy: Healthy) -> UnitHealth | None:
     acquisition = dict.fromkeys(
         finding for run in runs if run.features is not None for finding in run.acquisition.findings
     )
-    tests: dict[str, list[HealthJudgement]] = {}
-    for run, flag in zip(runs, flags, strict=True):
-        if learnt.kinds and not flag:
-            tests.setdefault(run.test, []).append(learnt.judge(run))
+    if not learnt.kinds:
+        return UnitHealth((), (), (), (*learnt.remarks, *acquisition))
+    tests = _judged(learnt, (run for run, flag in zip(runs, flags, strict=True) if not flag))
+    reference = (run for run, flag in zip(runs, flags, strict=True) if flag)
     return UnitHealth(
         tuple(baseline for _, baseline in learnt.kinds),
-        tuple(JudgedTest(name, tuple(its)) for name, its in tests.items()),
+        tests,
+        _judged(learnt, reference) if any(test.deviates for test in tests) else (),
         (*learnt.remarks, *acquisition),
     )
+
+
+def _judged(learnt: Learnt, runs: Iterable[RunFeatures]) -> tuple[JudgedTest, ...]:
+    """Judge runs; the tests in the order of their first ones."""
+    tests: dict[str, list[HealthJudgement]] = {}
+    for run in runs:
+        tests.setdefault(run.test, []).append(learnt.judge(run))
+    return tuple(JudgedTest(name, tuple(its)) for name, its in tests.items())
+
+
+def sickest_first(units: Iterable[Unit], health: Mapping[str, UnitHealth | None]) -> list[Unit]:
+    """Units by their health, those whose last test deviates first; in their order where health says nothing else."""
+
+    def severity(unit: Unit) -> tuple[bool, float, float]:
+        of = health[unit.name]
+        return (False, 0.0, 0.0) if of is None else of.severity
+
+    return sorted(units, key=severity, reverse=True)
 
 
 def _kinds(runs: Iterable[RunFeatures]) -> list[list[RunFeatures]]:

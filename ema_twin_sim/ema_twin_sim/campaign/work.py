@@ -17,7 +17,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load_runs
 from ema_bench_replay.recording import NO_DATE, TEST, Recording
 
-from ..health.motion_record import MotionRecord
+from ..health.motion_record import SPEED, MotionRecord
 from ..health.run_features import run_features
 from ..model import Model, load_model
 from ..model.model_file import model_files
@@ -117,6 +117,11 @@ def _health(recording: Recording, model: Model | None, row: Row, job: Job, task:
     """The features by which a recording's unit is judged."""
     record = MotionRecord.from_recording(recording, _test(recording, row, job))
     wavelength = _wavelength(record, model, recording) if task.wavelength is None else task.wavelength
+    if record.place == SPEED:
+        row["warnings"].append(
+            f"{recording.name}: has no position; its speed is integrated instead, so no wave is judged"
+        )
+        wavelength = math.nan
     return health_row(run_features(record, wavelength))
 
 
@@ -165,7 +170,7 @@ def _of_recordings(recordings: Sequence[Recording]) -> Row:
     starts = [recording.start for recording in recordings if recording.start != NO_DATE]
     motions = sorted({recording.motion for recording in recordings})
     return {
-        "time": datetime.fromtimestamp(min(starts) * 1e-9, timezone.utc) if starts else None,
+        "time": datetime.fromtimestamp(max(starts) * 1e-9, timezone.utc) if starts else None,
         "duration": sum(recording.duration for recording in recordings),
         "samples": sum(len(recording) for recording in recordings),
         "motion": " and ".join(motions),

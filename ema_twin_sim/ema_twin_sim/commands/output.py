@@ -157,7 +157,8 @@ class Counted:
     """Counter of ``total`` pieces of work; call it with the name of each piece when that is done.
 
     Shown as a bar; without a terminal, as a line every 5 s at most. Both give the time left: the bar by the speed of
-    the last pieces, the line by the average speed so far.
+    the last pieces, the line by the average speed since the first piece, which also took the start of the workers. Of
+    these, as much time must have passed as that one took.
     """
 
     def __init__(self, total: int, what: str, bar: Progress) -> None:
@@ -166,12 +167,15 @@ class Counted:
         self._begun = self._shown = time.monotonic()
         self._show = _now_and_then()
         self._done = 0
+        self._first: tuple[float, float] | None = None  # when the first piece was done, and how many pieces were then
         self._under_way: dict[str, float] = {}
 
     def __call__(self, name: str) -> None:
         """Take the name of a piece that is done."""
         self._under_way.pop(name, None)
         self._done += 1
+        if self._first is None:
+            self._first = time.monotonic(), self._so_far
         self._bar.update(self._task, completed=self._so_far)
         self._log(f"{self._done} of {self._total} done ({name})")
 
@@ -189,8 +193,18 @@ class Counted:
 
     def _log(self, text: str) -> None:
         if self._bar.disable and 0.0 < self._so_far < self._total:
-            left = (time.monotonic() - self._begun) / self._so_far * (self._total - self._so_far)
-            self._show(f"{self._what}: {text}, about {duration(left)} left")
+            left = self._seconds_left()
+            self._show(f"{self._what}: {text}{'' if left is None else f', about {duration(left)} left'}")
+
+    def _seconds_left(self) -> float | None:
+        """The time left; None if it cannot be told yet."""
+        now, so_far = time.monotonic(), self._so_far
+        if self._first is None:  # within the first piece
+            return (now - self._begun) / so_far * (self._total - so_far)
+        at, then = self._first
+        if so_far <= then or now - at < at - self._begun:
+            return None
+        return (now - at) / (so_far - then) * (self._total - so_far)
 
 
 @contextmanager

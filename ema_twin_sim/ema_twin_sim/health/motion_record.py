@@ -11,7 +11,11 @@ from ema_bench_replay.recording import KIND, Recording
 from ema_bench_replay.traces.lacked_columns import lacked_columns
 from ema_bench_replay.units import signal_unit
 
+from ..model.matching import way_of
+
 POSITIONS = ("output_position", "motor_position")
+SPEED = "speed"
+"""Integrated if there is no position."""
 EFFORTS = ("current", "motor_torque")
 
 
@@ -33,7 +37,7 @@ class MotionRecord:
     position_unit: str = "m"
     effort_unit: str = "A"
     unsigned: bool | None = None  # None: unknown; then an effort that never changes its sign is a magnitude
-    place: str = "output_position"  # the signal that the position is
+    place: str = "output_position"  # the signal that the position is, or is integrated from
 
     def __post_init__(self) -> None:
         for name in ("time", "position", "effort", "command", "motor_position"):
@@ -49,30 +53,32 @@ class MotionRecord:
     def from_recording(cls, recording: Recording, test: str) -> MotionRecord:
         """Take the position nearest the load, the current or else the torque, and the commanded position if known.
 
-        Raises InputError if a position or an effort is missing.
+        Without a position, the speed is integrated; that does not say where a turn begins. Raises InputError if a speed
+        is missing too, or an effort.
         """
-        place = next((name for name in POSITIONS if recording.has(name)), None)
+        places = POSITIONS if recording.of_points else (*POSITIONS, SPEED)
+        place = next((name for name in places if recording.has(name)), None)
         effort = next((name for name in EFFORTS if recording.has(name)), None)
         if place is None or effort is None:
-            lacks = "position" if place is None else "current and no motor_torque"
-            lacked = lacked_columns(recording, POSITIONS if place is None else EFFORTS)
+            lacks = "position and no speed" if place is None else "current and no motor_torque"
+            lacked = lacked_columns(recording, places if place is None else EFFORTS)
             raise InputError(f"{recording.name}: holds no {lacks}, by which health is judged; {lacked or 'record it'}")
         signals = recording.signals
         both = place == "output_position" and recording.has("motor_position")
-        origin = {"output_position": recording.output_angle_origin, "motor_position": recording.motor_angle_origin}[
-            place
-        ]
+        origins = {"output_position": recording.output_angle_origin, "motor_position": recording.motor_angle_origin}
+        origin = origins.get(place, np.nan)
         shift = 0.0 if np.isnan(origin) else origin  # waves are counted from the encoder's zero
-        command = signals.get("output_command")
+        position = way_of(signals[SPEED], recording.time) if place == SPEED else signals[place] + shift
+        command = None if place == SPEED else signals.get("output_command")
         return cls(
             name=recording.name,
             test=test,
             time=recording.time,
-            position=signals[place] + shift,
+            position=position,
             effort=signals[effort],
             command=None if command is None else command + shift,
             motor_position=signals["motor_position"] if both else None,
-            position_unit=signal_unit(place, recording.motion),
+            position_unit=signal_unit(place, recording.motion).removesuffix("/s"),
             effort_unit=signal_unit(effort, recording.motion),
             place=place,
             unsigned=True if f"{effort}{KIND}" in recording.metadata else None,

@@ -60,7 +60,7 @@ def matched(recording: Recording, model: Model) -> Recording:
         signals["current"] = divided(signals["motor_torque"], model.value("machine.torque_constant"))
         metadata[BY_TORQUE] = "torque"
     if not {"motor_position", "output_position"} & signals.keys() and "speed" in signals and not recording.of_points:
-        signals["motor_position"] = _way(signals["speed"], recording.time)
+        signals["motor_position"] = way_of(signals["speed"], recording.time)
         metadata[BY_SPEED] = "speed"
         warnings = (
             *warnings,
@@ -79,7 +79,7 @@ def by_torque(recordings: Sequence[Recording]) -> bool:
     return all(BY_TORQUE in recording.metadata for recording in recordings)
 
 
-def _way(speed: np.ndarray, time: np.ndarray) -> np.ndarray:
+def way_of(speed: np.ndarray, time: np.ndarray) -> np.ndarray:
     """Integral (n,) of a speed; missing values are interpolated linearly. NaN if it is never known."""
     known = by_pieces(np.isfinite, speed)
     if not known.any():

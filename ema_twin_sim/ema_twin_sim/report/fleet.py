@@ -12,31 +12,33 @@ from urllib.parse import quote
 
 from ema_bench_replay.outputs import write_text
 
+from ..campaign.feature_courses import feature_courses
 from ..campaign.histories import Outlook
+from ..campaign.jobs import HEALTH
 from ..campaign.store import file_name
 from ..campaign.unit_health import UnitHealth
 from ..campaign.units import Unit
 from ..listing import number_of
 from ..quantities import estimate, quantity
 from ..words.sentences import effect_words
+from ..words.unit_health import TEST_HEAD, course_words, feature_words, health_words, test_cells
 from ..words.units import (
     LAST_ERROR,
     LAST_ERROR_IS,
     RESULT_HEAD,
-    TEST_HEAD,
     change_of,
     counts_words,
     fleet_words,
-    health_words,
     life_words,
+    looked_for,
     missing_words,
     moving_words,
     number_words,
+    order_words,
     result_cells,
-    test_cells,
 )
 from .history_chart import history_chart
-from .markup import Markup, items, joined, section, table, tag
+from .markup import Markup, capitalised, items, joined, section, table, tag
 from .whole_page import whole_page
 
 _UNITS = "units"
@@ -52,15 +54,16 @@ def write_fleet(
     units: Sequence[Unit],
     ahead: Mapping[str, Sequence[Outlook]],
     health: Mapping[str, UnitHealth | None],
+    remarks: Sequence[str] = (),
     *,
     force: bool = False,
 ) -> Path:
-    """Write the pages; return the path of the one of all units.
+    """Write the pages; return the path of the one of all units, which says the remarks on several units.
 
     Raises InputError if it exists (without ``force``) or cannot be written.
     """
     overview = folder / "index.html"
-    write_text(overview, _overview(units, ahead, health), force=force)
+    write_text(overview, _overview(units, ahead, health, remarks), force=force)
     for unit in units:
         write_text(folder / _UNITS / _file(unit), _unit(unit, ahead[unit.name], health[unit.name]), force=True)
     return overview
@@ -71,42 +74,40 @@ def _file(unit: Unit) -> str:
 
 
 def _overview(
-    units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], health: Mapping[str, UnitHealth | None]
+    units: Sequence[Unit],
+    ahead: Mapping[str, Sequence[Outlook]],
+    health: Mapping[str, UnitHealth | None],
+    remarks: Sequence[str],
 ) -> str:
+    columns = looked_for(units, ahead, health, lambda looks: ", ".join(moving_words(looks)))
     rows = [
         (
             tag("a", unit.name, href=quote(f"{_UNITS}/{_file(unit)}")),
             str(unit.judged),
             str(unit.refused + unit.failed or ""),
             f"{unit.last:%Y-%m-%d}" if unit.last else "",
-            missing_words(unit),
-            "" if unit.beyond_noise is None else f"{unit.beyond_noise:.1f} ×",
-            ", ".join(moving_words(ahead[unit.name])),
-            health_words(health[unit.name]),
+            *cells,
         )
-        for unit in units
+        for unit, *cells in zip(units, *columns.values(), strict=True)
     ]
-    head = (
-        "unit",
-        "judged",
-        "not judged",
-        "last recorded",
-        "missing effects (results)",
-        LAST_ERROR,
-        "changed",
-        "health",
-    )
-    found = table(head, rows, words=(0, 3, 4, 6, 7))
+    head = ("unit", "judged", "not judged", "last recorded", *columns)
+    found = table(head, rows, words=(0, *(k for k in range(3, len(head)) if head[k] != LAST_ERROR)))
     box = tag("p", tag("label", "Show units with ", Markup('<input type="search" aria-label="filter">')))
-    note = tag("p", LAST_ERROR_IS, class_="aside")
+    said = [items(*map(capitalised, remarks))] if remarks else []
+    notes = [tag("p", f"{capitalised(order_words(units, health))}.", class_="aside")]
+    notes += [tag("p", LAST_ERROR_IS, class_="aside")] if LAST_ERROR in columns else []
     title = number_of(len(units), "unit")
-    body = joined([tag("h1", title), tag("p", fleet_words(units, ahead, health), class_="lead"), box, found, note])
+    body = joined(
+        [tag("h1", title), tag("p", fleet_words(units, ahead, health), class_="lead"), *said, box, found, *notes]
+    )
     return whole_page(title, body, script=_FILTER)
 
 
 def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> str:
     changed = [look for look in looks if look.change is not None]
     remarks = [*unit.remarks, *(() if health is None else health.remarks)]
+    courses = feature_courses(unit, health)
+    of_model = [] if _health_alone(unit) else _of_model(unit, looks, changed)
     leading = [look for look in looks if look.life is not None or look.trend is not None]
     rows = [result_cells(unit, row) for row in unit.rows]
     parts = (
@@ -118,18 +119,18 @@ def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> st
             tag("p", counts_words(unit)),
             items(*remarks) if remarks else tag("p", "All results can be compared with each other."),
         ),
-        section("state", "State", tag("p", _state(unit)), *_tests(health)),
+        section("state", "State", tag("p", _state(unit, health)), *_tests(health)),
         section(
             "health",
             "Health",
-            tag("p", f"Missing in its model: {missing_words(unit) or 'not looked for'}."),
-            items(*(_changed(look) for look in changed)) if changed else tag("p", _unchanged(looks)),
-            tag("div", *(_figure(look) for look in looks), class_="grid"),
+            *of_model,
+            *([] if health is None else [tag("p", _deviations(health))]),
+            tag("div", *map(_figure, looks), *map(_feature_figure, courses), class_="grid"),
         ),
         section(
             "prognosis",
             "Prognosis",
-            items(*(_leads(look) for look in leading)) if leading else tag("p", "No number shows a trend."),
+            _prognosis(unit, leading, courses),
         ),
         section("advice", "Advice", items(*_advice(unit, changed, leading, health))),
         section("results", "Results", table(RESULT_HEAD, rows, words=(0, 1, 2, 3, 4, 6))),
@@ -137,9 +138,38 @@ def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> st
     return whole_page(unit.name, joined(parts))
 
 
-def _state(unit: Unit) -> str:
+def _health_alone(unit: Unit) -> bool:
+    """Whether only the unit's health was asked for: then nothing is said of its model."""
+    return all(row["task"] == HEALTH for row in unit.rows)
+
+
+def _of_model(unit: Unit, looks: Sequence[Outlook], changed: Sequence[Outlook]) -> list[Markup]:
+    """What its model lacks, and which parameters changed."""
+    return [
+        tag("p", f"Missing in its model: {missing_words(unit) or 'not looked for'}."),
+        items(*map(_changed, changed)) if changed else tag("p", _unchanged(looks)),
+    ]
+
+
+def _prognosis(unit: Unit, leading: Sequence[Outlook], courses: Sequence[Outlook]) -> Markup:
+    """Where its numbers and the features of its health lead."""
+    if leading or courses:
+        return items(*map(_leads, leading), *(f"{capitalised(course_words(look))}." for look in courses))
+    return tag("p", "No test deviates, so no trend is followed." if _health_alone(unit) else "No number shows a trend.")
+
+
+def _deviations(health: UnitHealth) -> str:
+    """How its tests compare with its healthy ones, in a sentence."""
+    return f"Its health: {health_words(health)}."
+
+
+def _state(unit: Unit, health: UnitHealth | None) -> str:
+    if unit.beyond_noise is None and not unit.judged:
+        return "None of its inputs could be judged."
+    if unit.beyond_noise is None and health is not None:
+        return "Its recordings were compared with its healthy ones, and with no model."
     if unit.beyond_noise is None:
-        return "No error is known."
+        return "No error of its model was computed."
     if unit.beyond_noise <= 1.0:
         return "In its last result, all errors are within the sensors' noise."
     return f"In its last result, the largest error is {unit.beyond_noise:.1f} times the sensors' noise."
@@ -198,6 +228,11 @@ def _advice(unit: Unit, changed: Sequence[Outlook], leading: Sequence[Outlook], 
     if unit.refused + unit.failed:
         told.append("See below why inputs could not be judged.")
     return told or ["Nothing to do."]
+
+
+def _feature_figure(look: Outlook) -> Markup:
+    words = f"{feature_words(look)}, in standard deviations of the healthy tests"
+    return tag("figure", tag("figcaption", words), history_chart(look))
 
 
 def _figure(look: Outlook) -> Markup:

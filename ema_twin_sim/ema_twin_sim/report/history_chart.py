@@ -34,7 +34,8 @@ def history_chart(look: Outlook) -> Markup:
             stroke_dasharray=dashes,
         )  # fmt: skip
 
-    scale, unit = axis_unit(float(np.abs([least, most]).max()), of.unit)
+    plain = of.unit == "1"
+    scale, unit = (1.0, "") if plain else axis_unit(float(np.abs([least, most]).max()), of.unit)
     parts = [level(look.healthy, "var(--good)", "none")]
     if look.limit is not None:
         parts.append(level(look.limit, "var(--before)", "6 4"))

@@ -1,4 +1,4 @@
-"""Words about a unit's numbers and missing effects, the same on the terminal and on its page."""
+"""Words about a unit's numbers and missing effects, and about a fleet: the same on the terminal and on its page."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 from ..listing import number_of
 from ..quantities import quantity
 from .sentences import effect_words
+from .unit_health import health_words, tests_words
 
 if TYPE_CHECKING:
     from ..campaign.histories import Outlook
-    from ..campaign.unit_health import JudgedTest, UnitHealth
+    from ..campaign.unit_health import UnitHealth
     from ..campaign.units import Unit
 
 LAST_ERROR = "error left / noise"
@@ -26,8 +27,6 @@ LAST_ERROR_IS = (
 """Explains that column: a unit that lacks an effect may have no more error left than a healthy one."""
 RESULT_HEAD = ("recording", "recorded", "task", "verdict", "missing", "error left / noise", "reason")
 """Headings of a unit's results; the error is in times the sensors' noise."""
-TEST_HEAD = ("test", "deviating", "distance / limit", "fault family", "what changed")
-"""Headings of a unit's tests, compared with its healthy ones."""
 _SHOWN = 3
 """Number of a unit's effects that are named."""
 
@@ -70,52 +69,58 @@ def _end_words(look: Outlook) -> str:
     return "has passed its limit" if passed else f"reaches its limit in {life_words(look)}"
 
 
-def _named_words(test: JudgedTest) -> str:
-    """The fault family that a test's recordings give together: *play 97 %*; empty if none is off."""
-    if not test.detected:
-        return ""
-    named = test.named
-    return "unknown" if named is None else f"{named.family.value} {100.0 * named.probability:.0f} %"
-
-
-def _change_words(test: JudgedTest) -> str:
-    """What changed in the recording of a test that is farthest from the healthy ones, or why it could not be judged."""
-    worst = test.worst
-    if worst.detected is None:
-        return " ".join(worst.words)
-    return worst.words[len(worst.acquisition.findings)] if test.detected else ""
-
-
-def health_words(health: UnitHealth | None) -> str:
-    """In how many tests a unit differs from its healthy ones, and the fault family of the last of them."""
-    if health is None or not health.baselines:
-        return ""
-    if not health.off:
-        return f"like its healthy tests ({len(health.tests)} others)"
-    last = health.off[-1]
-    return f"{len(health.off)} of {len(health.tests)} tests deviate, the last {last.name}: {_named_words(last)}"
-
-
 def fleet_words(
     units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], health: Mapping[str, UnitHealth | None]
 ) -> str:
     """What was found over all units, in words after their number; what was not looked for is left out."""
     told = []
     if any(unit.searched for unit in units):
-        lacking = Counter(effect for unit in units for effect, _ in unit.missing)
         count = sum(bool(unit.missing) for unit in units)
-        told.append(f"{count} with effects missing in their model{_counted(lacking, effect_words)}")
+        told.append(f"{count} with effects missing in their model{_lacked_words(units)}")
     if any(ahead.values()):
         changed = sum(bool(moving_words(looks)) for looks in ahead.values())
         told.append(f"{changed} with a parameter that changed or nears its limit")
     if judged := [of for of in health.values() if of is not None and of.tests]:
         off = sum(bool(of.off) for of in judged)
-        told.append(f"{off} with tests that deviate from their healthy ones ({_of_tests(judged, 'tests')})")
-    results = number_of(sum(unit.judged for unit in units), "result")
+        told.append(f"{off} with tests that deviate from their healthy ones ({tests_words(judged, 'tests')})")
+    elif any(health.values()):
+        told.append("none could be compared with healthy recordings of its own")
     refused = sum(unit.refused + unit.failed for unit in units)
+    judged_results = sum(unit.judged for unit in units)
+    if not judged_results:
+        whose = "their" if len(units) > 1 else "its"
+        return f"none of {whose} {number_of(refused, 'input')} could be judged; --unit NAME tells why."
     left = f"; {number_of(refused, 'input')} could not be judged" if refused else ""
     found = ", ".join(told) or "the errors of their model were computed, nothing else was looked for"
-    return f"{found}. {results}{left}."
+    return f"{found}. {number_of(judged_results, 'result')}{left}."
+
+
+def order_words(units: Sequence[Unit], health: Mapping[str, UnitHealth | None]) -> str:
+    """By what the units are sorted."""
+    if any(health.values()):
+        return "those whose last test deviates first, then by their share of deviating tests"
+    errors = any(unit.beyond_noise is not None for unit in units)
+    return f"the largest {LAST_ERROR} first" if errors else "by name"
+
+
+def looked_for(
+    units: Sequence[Unit],
+    ahead: Mapping[str, Sequence[Outlook]],
+    health: Mapping[str, UnitHealth | None],
+    changed: Callable[[Sequence[Outlook]], str],
+) -> dict[str, list[str]]:
+    """Columns of what was found: each heading with one cell for each unit, without what was not looked for."""
+    columns: dict[str, list[str]] = {}
+    if any(unit.searched for unit in units):
+        columns["missing effects (results)"] = [missing_words(unit) for unit in units]
+    if any(unit.beyond_noise is not None for unit in units):
+        times = [unit.beyond_noise for unit in units]
+        columns[LAST_ERROR] = ["" if of is None else f"{of:.1f} ×" for of in times]
+    if any(ahead.values()):
+        columns["changed"] = [changed(ahead[unit.name]) for unit in units]
+    if any(health.values()):
+        columns["health"] = [health_words(health[unit.name]) for unit in units]
+    return columns
 
 
 def counts_words(unit: Unit) -> str:
@@ -129,7 +134,7 @@ def unit_words(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) 
     if unit.searched:
         told.append(f"Missing in its model: {missing_words(unit)}.")
     if health is not None and health.tests:
-        told.append(f"{_of_tests([health], 'tests deviate from its healthy ones')}.")
+        told.append(f"{tests_words([health], 'tests deviate from its healthy ones')}.")
     if looks:
         moving = moving_words(looks)
         more = f", and {len(moving) - _SHOWN} more" if len(moving) > _SHOWN else ""
@@ -137,19 +142,13 @@ def unit_words(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) 
     return told
 
 
-def _of_tests(health: Sequence[UnitHealth], tests: str) -> str:
-    """How many tests deviate, and which families of faults they show: ``27 of 87 tests: local damage 20, play 7``."""
-    off = [test for of in health for test in of.off]
-    families = Counter("unknown" if (of := test.named) is None else of.family.value for test in off)
-    total = sum(len(of.tests) for of in health)
-    return f"{len(off)} of {total} {tests}{_counted(families, str, ': ', '')}"
-
-
-def _counted(counts: Counter[str], words: Callable[[str], str], begin: str = " (", end: str = ")") -> str:
-    """How often each occurs, the most frequent first and a few only; empty if there are none."""
-    told = [f"{words(name)} {count}" for name, count in counts.most_common(_SHOWN)]
-    more = [f"{len(counts) - _SHOWN} other"] if len(counts) > _SHOWN else []
-    return f"{begin}{', '.join([*told, *more])}{end}" if told else ""
+def _lacked_words(units: Sequence[Unit]) -> str:
+    """How many units lack which effects, the most frequent first and a few only: *(backlash 16, 2 other effects)*."""
+    counts = Counter(effect for unit in units for effect, _ in unit.missing)
+    told = [f"{effect_words(effect)} {count}" for effect, count in counts.most_common(_SHOWN)]
+    more = len(counts) - _SHOWN
+    told += [number_of(more, "other effect")] if more > 0 else []
+    return f" ({', '.join(told)})" if told else ""
 
 
 def missing_words(unit: Unit) -> str:
@@ -173,9 +172,3 @@ def result_cells(unit: Unit, row: Mapping[str, Any]) -> tuple[str, ...]:
         "" if beyond is None else f"{beyond:.1f} ×",
         row["message"] or "",
     )
-
-
-def test_cells(test: JudgedTest) -> tuple[str, ...]:
-    """One of a unit's tests, below ``TEST_HEAD``."""
-    distance = f"{test.worst.distance:.1f} ×" if test.judged else ""
-    return test.name, f"{test.detected}/{test.judged}", distance, _named_words(test), _change_words(test)
