@@ -68,7 +68,7 @@ def test_init_says_that_a_joint_which_moves_beside_it_may_act_on_it(drafted):
     moving = {
         name: values * (5.0 if name in ("q1 [rad]", "q3 [rad]") else 1.0) for name, values in nearly_at_rest.items()
     }
-    assert "1 and 3 move too" in drafted(moving).said
+    assert "1, 3 move too" in drafted(moving).said
 
 
 def test_init_tells_which_joint_it_took_and_reads_further_traces_of_it(drafted):

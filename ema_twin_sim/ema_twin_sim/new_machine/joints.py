@@ -18,7 +18,6 @@ from ema_bench_replay.traces.header_words import HeaderWords
 from ema_bench_replay.units import MOTIONS, units_of
 
 from ..criteria import NEGLIGIBLE, PART, SMALL
-from ..listing import listed
 from .column_quantity import has_word
 from .column_words import TOOL
 from .part_names import part_in_the_name, part_of
@@ -63,7 +62,7 @@ class Joint:
             return ""
         move = "moves" if len(self.moving) == 1 else "move"
         return (
-            f"; {listed(self.moving)} {move} too: what hangs on this joint acts on it by weight and inertia, which "
+            f"; {some_of(self.moving)} {move} too: what hangs on this joint acts on it by weight and inertia, which "
             "discover may take for another load; record this joint alone"
         )
 
