@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
+
+_NUMBER = re.compile(r"\d+(\.\d+)?([eE][+-]?\d+)?")
 
 
 def listed(words: Iterable[str], last: str = "and") -> str:
@@ -19,16 +22,25 @@ def first_of(names: Sequence[str]) -> str:
 def by_recording(warnings: Iterable[str], most: int = 5) -> list[str]:
     """Warnings that begin with a recording's name: one for all recordings with the same, naming up to ``most`` of them.
 
-    ``a.csv: text`` and ``b.csv: text`` are ``a.csv and b.csv: text``.
+    ``a.csv: text`` and ``b.csv: text`` are ``a.csv and b.csv: text``. If more than ``most`` differ only in numbers, the
+    first is told, and how many there are.
     """
     of_text: dict[str, list[str]] = {}
     for warning in dict.fromkeys(warnings):
         name, colon, text = warning.partition(": ")
         of_text.setdefault(f"{colon}{text}" if colon else warning, []).append(name if colon else "")
-    found = []
+    alike: dict[str, list[tuple[str, list[str]]]] = {}
     for text, names in of_text.items():
-        shown = names if len(names) <= most else [*names[: most - 1], f"{len(names) - most + 1} more"]
-        found.append(f"{listed(shown)}{text}")
+        alike.setdefault(_NUMBER.sub("0", text), []).append((text, names))
+    found = []
+    for told in alike.values():
+        if len(told) > most:
+            (text, (name, *_)), count = told[0], sum(len(names) for _, names in told)
+            found.append(f"{name}{text} (and {count - 1} more like it)")
+            continue
+        for text, names in told:
+            shown = names if len(names) <= most else [*names[: most - 1], f"{len(names) - most + 1} more"]
+            found.append(f"{listed(shown)}{text}")
     return found
 
 
