@@ -4,8 +4,12 @@ import re
 
 import pytest
 
+from ema_twin_sim.campaign.healthy import Healthy
 from ema_twin_sim.campaign.results import DONE, REFUSED
 from ema_twin_sim.campaign.store import Store
+from ema_twin_sim.campaign.unit_health import unit_health
+from ema_twin_sim.campaign.units import units_of
+from ema_twin_sim.words.unit_health import health_words
 from tests.command_line import done, refused
 from tests.health_results import health_results
 from tests.stored_rows import complete
@@ -98,3 +102,16 @@ def test_of_inputs_that_were_all_refused_it_is_told_that_none_was_judged(tmp_pat
     of = {"status": REFUSED, "message": "no rows", "task": "health"}
     Store.made(tmp_path / "r").write(complete({"unit": "A", "name": str(k), "key": str(k), **of} for k in range(3)))
     assert printed(tmp_path / "r").startswith("1 unit: none of its 3 inputs could be judged")
+
+
+def test_when_a_unit_deviates_is_told_for_each_course(tmp_path):
+    courses = {"all": [1.0] * 4 + [1.5] * 8, "gone": [1.0] * 4 + [1.5] * 2 + [1.0] * 6, "again": [1.0] * 12}
+    courses["again"][5] = courses["again"][-1] = 1.5
+    courses["none"] = [1.0] * 12
+    health = {}
+    for name, friction in courses.items():
+        (unit,) = units_of(health_results(name, [1.0] * 8 + friction, seed=3))
+        health[name] = health_words(unit_health(unit, Healthy(8)))
+    assert "tests deviate, all since 20" in health["all"] and ", again since 20" in health["again"]
+    assert re.search(r"tests deviate, the last [\d-]+, none since: ", health["gone"])
+    assert health["none"] == "like its healthy tests (12 others)"

@@ -42,7 +42,9 @@ def _when_words(health: UnitHealth) -> str:
     if not health.lasting:
         return f"the last {health.off[-1].name}, none since"
     begun = f"since {health.lasting[0].name}"
-    return f"all {begun}" if len(health.lasting) > 1 else begun
+    if len(health.lasting) > 1:
+        return f"all {begun}"
+    return begun if len(health.off) == 1 else f"again {begun}"
 
 
 def tests_words(health: Sequence[UnitHealth], tests: str) -> str:
