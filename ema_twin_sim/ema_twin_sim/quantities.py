@@ -10,9 +10,11 @@ _TWO_DIGITS = 3.0  # a standard error that begins with a smaller digit is given 
 
 
 def quantity(value: float | None, unit: str, digits: int = 3) -> str:
-    """``0.00301, 'A'`` as ``3.01 mA``; a dash where there is no value."""
+    """``0.00301, 'A'`` as ``3.01 mA``; shares and plain numbers take no prefix; a dash where there is no value."""
     if value is None or not math.isfinite(value):
         return "–"
+    if unit in ("1", "%"):
+        return f"{value:.{digits}g}{'' if unit == '1' else ' %'}"
     if value == 0.0:
         return f"0 {unit}"
     scale, prefix = next(

@@ -15,10 +15,11 @@ from ema_twin_sim.identification.hypothesis import INERTIAS
 from ema_twin_sim.identification.local_minima import output_weights, starting
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.observe import observe, observe_all
+from ema_twin_sim.measured.ratio_of_positions import ratio_of_positions
 from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.measured.speed_lag import speed_lag
 from ema_twin_sim.model import load_model
-from ema_twin_sim.new_machine.shaft import positions_part, ratio_of_positions, whole_ratio
+from ema_twin_sim.new_machine.shaft import positions_part, whole_ratio
 from tests.accuracy.strangers.cases import stranger_cases
 from tests.accuracy.strangers.servo import Servo
 

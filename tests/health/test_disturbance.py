@@ -29,7 +29,7 @@ def waves(count=200, **parts):
         record = stroke(np.random.default_rng(seed), **parts)
         place = record.position if record.command is None else record.command
         asked = disturbance(record, record.effort, ROWS, place, LEAD)
-        found.append([wave_phasor(*one, LEAD) for one in (asked, (record.effort[ROWS], place[ROWS]))])
+        found.append([wave_phasor([one], LEAD) for one in (asked, (record.effort[ROWS], place[ROWS]))])
     return np.array(found).T
 
 
@@ -152,6 +152,6 @@ def test_it_matters_not_how_often_a_wave_is_sampled():
             effort = 1.0 + 0.03 * np.cos(2.0 * np.pi * told / LEAD) + 400.0 * error
             record = MotionRecord("run", "test", time, told - error, effort, command=told)
             both = disturbance(record, effort, where, told, LEAD), (effort[where], told[where])
-            left.append([wave_phasor(*one, LEAD) for one in both])
+            left.append([wave_phasor([one], LEAD) for one in both])
         asked, plain = np.array(left).T
         assert np.std(asked) < 0.2 * np.std(plain) and np.mean(asked) == pytest.approx(0.03, rel=0.02)

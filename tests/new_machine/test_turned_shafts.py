@@ -5,9 +5,9 @@ import pytest
 
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.measured.consistency import inconsistencies
+from ema_twin_sim.measured.ratio_of_positions import ratio_of_positions
 from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.model import load_model
-from ema_twin_sim.new_machine.shaft import ratio_of_positions
 
 TIME = np.arange(2000) * 2e-3
 ANGLE = 30.0 * (1.0 - np.cos(2.0 * TIME))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime, timezone
@@ -25,6 +24,7 @@ from ..version import VERSION
 from .health_rows import health_row
 from .jobs import HEALTH, Job, Task
 from .results import DONE, FAILED, REFUSED
+from .turn_of_motor import turn_of_motor
 
 _LEAST_SAMPLES = 2
 _HASH_BYTES = 16
@@ -55,6 +55,10 @@ def judged(job: Job, task: Task, tell: Callable[[str], None] = lambda text: None
             rows = [_judged(row | {"name": _run_name(job, one)}, [one], job, task) for one in recordings]
         else:
             rows = [_judged(row, recordings, job, task)]
+        known = {*left_out, *(warning for recording in recordings for warning in recording.warnings)}
+        for warning in dict.fromkeys(w for one in rows if task.verb == HEALTH for w in one.get("warnings") or ()):
+            if warning not in known:
+                tell(warning)
     seconds = (time.perf_counter() - begun) / len(rows)
     at = datetime.now(timezone.utc)
     for row in rows if left_out else ():
@@ -116,12 +120,11 @@ def _run_name(job: Job, run: Recording) -> str:
 def _health(recording: Recording, model: Model | None, row: Row, job: Job, task: Task) -> Row:
     """The features by which a recording's unit is judged."""
     record = MotionRecord.from_recording(recording, _test(recording, row, job))
-    wavelength = _wavelength(record, model, recording) if task.wavelength is None else task.wavelength
+    wavelength, unknown = turn_of_motor(record, model, recording) if task.wavelength is None else (task.wavelength, "")
     if record.place == SPEED:
-        row["warnings"].append(
-            f"{recording.name}: has no position; its speed is integrated instead, so no wave is judged"
-        )
         wavelength = math.nan
+        unknown = f"{recording.name}: has no position; its speed is integrated instead, so no wave is judged"
+    row["warnings"] += [unknown] if unknown else []
     return health_row(run_features(record, wavelength))
 
 
@@ -132,15 +135,6 @@ def _test(recording: Recording, row: Row, job: Job) -> str:
     if job.test is not None:
         return job.test
     return row["name"] if row["time"] is None else f"{row['time']:%Y-%m-%d}"
-
-
-def _wavelength(record: MotionRecord, model: Model | None, recording: Recording) -> float:
-    """One turn of the motor in the position's unit; NaN if it is unknown."""
-    if recording.motion == "linear":
-        return math.nan
-    if record.place == "motor_position":
-        return 2.0 * math.pi
-    return math.nan if model is None else 2.0 * math.pi / model.value("machine.gear_ratio")
 
 
 def blank(job: Job, verb: str, model: str) -> Row:

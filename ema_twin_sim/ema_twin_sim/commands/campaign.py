@@ -104,7 +104,7 @@ def run(
             metavar="M|RAD",
             parser=options.number(1e-9, options.LARGEST, "m or rad"),
             help="With --do health: travel after which the machine repeats, such as the lead of a screw; by default "
-            "one turn of a rotary machine's motor.",
+            "one turn of a rotary machine's motor, if the motor's angle, both encoders or --model show it.",
         ),
     ] = None,
     workers: options.Workers = options.CORES,
@@ -217,14 +217,17 @@ def _judge(client: Client, jobs: Sequence[Job], task: Task, store: Store) -> Cou
 
     counts: Counter[str] = Counter()
     damaged = 0
+    told: set[str] = set()  # what many recordings have in common is told of the first
     with counted(len(jobs), "judging") as done:
         outcomes: Iterator[Outcome] = campaign(client, jobs, task, store.folder.resolve())
         for outcome in outcomes:
             counts[outcome.status] += 1
             if outcome.status != "done" and counts[outcome.status] <= _SHOWN:
                 warn(f"{outcome.job.unit}, {outcome.job.name}: {outcome.status}: {outcome.message}")
-            damaged += bool(outcome.warnings)
-            for warning in outcome.warnings if damaged <= _SHOWN else ():
+            new = [warning for warning in outcome.warnings if warning not in told]
+            told.update(new)
+            damaged += bool(new)
+            for warning in new if damaged <= _SHOWN else ():
                 warn(f"{outcome.job.unit}: {warning}")
             done(outcome.job.name)
     if hidden := sum(max(0, counts[what] - _SHOWN) for what in ("refused", "failed")):

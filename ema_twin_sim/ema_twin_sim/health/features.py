@@ -11,7 +11,7 @@ fast_roughness      the same from sample to sample
 slow_roughness      the same of means over a few samples: stick-slip, hunting while moving
 rest_hunting        scatter at rest: a control loop that hunts across play
 wave_*              phasor of the wave that repeats with the position, as a share of the effort of that direction
-wave_depth          size of that wave in both directions (root of the mean square)
+wave_depth          size of that wave in both directions (root of the mean square), in % of the effort
 wave_both_ways      part of that wave at the same place in both directions: it helps one way and hinders the other
 bump                largest local excess of the effort over a stroke, relative to the scatter of that effort
 lag                 mean error of the position while starting
@@ -21,18 +21,21 @@ lost_motion         half of how much the distance between two encoders differs b
 freed_wave_*        the waves again, without what errors of the position explain (``disturbance``)
 ==================  =================================================================================================
 
-Scatters and lags are logarithms of their size in the given unit: a ratio to the healthy unit is then a difference.
+Scatters and lags are logarithms of their size in the given unit: a ratio to the healthy unit is then a difference. No
+scatter is less than that of rounding to the smallest step of the sensor. Scatters, bumps and lost motion are means over
+strokes or rests, each of which counts once.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from .disturbance import disturbance
-from .motion_record import MotionRecord
+from .motion_record import MotionRecord, smallest_step
 from .phases import Phases, Piece, phases_of
 from .wave import FEWEST_CYCLES, beside_wave, wave_phasor
 
@@ -40,7 +43,7 @@ _FEW = 5  # samples that are averaged to show slow scatter
 _PEAK = 3  # largest samples that are averaged to a peak
 _LOCAL = 3  # samples that are averaged to a local excess
 _FREED = "freed_"
-_TINY = 1e-9  # of the travel or of the effort: added to every scatter, so that none is zero
+_TINY = 1e-9  # of the travel or of the effort, so that no scatter is zero
 
 
 class Feature(NamedTuple):
@@ -54,7 +57,7 @@ class Feature(NamedTuple):
     @property
     def scales(self) -> bool:
         """Whether it is compared after dividing by the unit's own effort."""
-        return self.of_effort and not self.logarithm and self.unit != "1"
+        return self.of_effort and not self.logarithm and self.unit not in ("1", "%")
 
 
 @dataclass(frozen=True)
@@ -88,7 +91,7 @@ def features_of(record: MotionRecord, wavelength: float, unsigned: bool) -> Feat
     if np.isfinite(wavelength):
         for freed, prefix in ((False, ""), (True, _FREED)):
             waves = _waves(record, phases, wavelength, unsigned, freed)
-            found |= {prefix + name: Feature(value, "1") for name, value in waves.items()}
+            found |= {prefix + name: wave for name, wave in waves.items()}
     error = record.position if record.command is None else record.command - record.position
     strokes = phases.strokes(1) + phases.strokes(-1)
     if record.command is not None:
@@ -113,38 +116,37 @@ def level(record: MotionRecord, phases: Phases, direction: int, unsigned: bool) 
     return _mean(_along(record.effort, pieces[0], unsigned), pieces) if pieces else np.nan
 
 
-def _waves(record: MotionRecord, phases: Phases, wavelength: float, unsigned: bool, freed: bool) -> dict[str, float]:
-    """The features of the wave, unchanged or (``freed``) without what errors of the position explain."""
+def _waves(record: MotionRecord, phases: Phases, wavelength: float, unsigned: bool, freed: bool) -> dict[str, Feature]:
+    """The features of the wave, unchanged or (``freed``) without what errors of the position explain.
+
+    Empty for strokes that are too short to show it.
+    """
     found: dict[str, float] = {}
     for direction, name in ((1, "forward"), (-1, "backward")):
         strokes = [(p, np.r_[p.steady]) for p in phases.strokes(direction)]
-        if strokes:
-            wave = _phasor(
-                record, strokes, abs(level(record, phases, direction, unsigned)), wavelength, unsigned, freed
-            )
+        size = abs(level(record, phases, direction, unsigned))
+        if (wave := _phasor(record, strokes, size, wavelength, unsigned, freed)) is not None:
             found |= {f"wave_{name}_cos": wave.real, f"wave_{name}_sin": wave.imag}
     if not found:
-        return found
-    found["wave_depth"] = float(np.sqrt(2.0 * np.mean(np.square(list(found.values())))))
+        return {}
+    depth = 100.0 * float(np.sqrt(2.0 * np.mean(np.square(list(found.values())))))
     if (both := _wave_both_ways(record, phases, wavelength, unsigned, freed)) is not None:
         found["wave_both_ways"] = both
-    return found
+    return {name: Feature(value, "1") for name, value in found.items()} | {"wave_depth": Feature(depth, "%")}
 
 
 def _phasor(
     record: MotionRecord, strokes: list[tuple[Piece, np.ndarray]], size: float, wavelength: float, unsigned: bool,
     freed: bool,
-) -> complex:  # fmt: skip
-    """Mean phasor over the rows of strokes, as a share of the effort ``size``."""
+) -> complex | None:  # fmt: skip
+    """Phasor over the rows of all strokes, as a share of the effort ``size``; None if they do not show it."""
     where = _place(record)
-    found = []
+    taken = []
     for piece, rows in strokes:
         effort = _along(record.effort, piece, unsigned)
-        values, places = effort[rows], where[rows]
-        if freed:
-            values, places = disturbance(record, effort, rows, where, wavelength)
-        found.append(wave_phasor(values, places, wavelength))
-    return complex(np.mean(found)) / max(size, _TINY * float(np.abs(record.effort).max()))
+        taken.append(disturbance(record, effort, rows, where, wavelength) if freed else (effort[rows], where[rows]))
+    found = wave_phasor(taken, wavelength)
+    return None if found is None else found / max(size, _TINY * float(np.abs(record.effort).max()))
 
 
 def _wave_both_ways(
@@ -173,21 +175,25 @@ def _wave_both_ways(
     for size, pieces in sides:
         common = [(p, rows[(where[rows] >= low) & (where[rows] <= high)]) for p, rows in pieces]
         waves.append(_phasor(record, common, size, wavelength, unsigned, freed))
-    return -(waves[0] * waves[1].conjugate()).real
+    forward, backward = waves
+    return None if forward is None or backward is None else -(forward * backward.conjugate()).real
 
 
 def lost_motion(record: MotionRecord, phases: Phases) -> float:
     """Play and wind-up: how far the motor's encoder, at the output's scale, leads in either direction (half the total).
 
-    The scale is fitted over the run, so the gear ratio need not be known.
+    The scale is fitted over the run, so the gear ratio need not be known. Each stroke counts once: in a long slow one
+    an output that coasts floats anywhere in the gap.
     """
     assert record.motor_position is not None
-    rows = [np.r_[p.steady] for p in phases.strokes(1)], [np.r_[p.steady] for p in phases.strokes(-1)]
-    forward, backward = (np.concatenate(side) for side in rows)
-    both = np.concatenate([forward, backward])
-    side = np.concatenate([np.ones(len(forward)), -np.ones(len(backward))])
-    columns = np.column_stack([record.motor_position[both], np.ones(len(both)), side])
-    return float(-np.linalg.lstsq(columns, record.position[both], rcond=None)[0][2])
+    strokes = phases.strokes(1) + phases.strokes(-1)
+    rows = [np.r_[p.steady] for p in strokes]
+    which = np.repeat(np.eye(len(rows)), [len(part) for part in rows], axis=0)
+    every = np.concatenate(rows)
+    columns = np.column_stack([which, record.motor_position[every]])
+    places = np.linalg.lstsq(columns, record.position[every], rcond=None)[0][:-1]
+    forward = len(phases.strokes(1))
+    return 0.5 * float(np.mean(places[forward:]) - np.mean(places[:forward]))
 
 
 def stroke_efforts(record: MotionRecord, unsigned: bool) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -202,29 +208,28 @@ def _scatter(record: MotionRecord, phases: Phases, wavelength: float, unsigned: 
     """Roughness and bumps of the steady strokes, and hunting at rest."""
     found: dict[str, Feature] = {}
     where = _place(record)
-    whole, fast, slow, bumps = [], [], [], []
+    whole: list[float] = []
+    fast: list[float] = []
+    slow: list[float] = []
+    bumps = []
     error = record.position if record.command is None else record.command - record.position
-    effort_floor, place_floor = _TINY * float(np.abs(record.effort).max()), _TINY * phases.travel
-    for direction in (1, -1):
-        pieces = phases.strokes(direction)
-        if not pieces:
-            continue
+    floors = _floor(record.effort), _floor(record.position)
+    for pieces in filter(None, (phases.strokes(1), phases.strokes(-1))):
         left = [_residual(_along(record.effort, p, unsigned)[p.steady], where[p.steady], wavelength) for p in pieces]
         errors = [_residual(error[p.steady], where[p.steady], wavelength) for p in pieces]
-        whole += [float(np.concatenate(left).std()) + effort_floor, float(np.concatenate(errors).std()) + place_floor]
-        fast += [_fast(left) + effort_floor, _fast(errors) + place_floor]
-        slow += [_slow(left) + effort_floor, _slow(errors) + place_floor]
+        for scatters, of in ((whole, np.std), (fast, _fast), (slow, _slow)):
+            scatters += [_typical(of, rest, floor) for rest, floor in zip((left, errors), floors, strict=True)]
         bumps.append(np.mean([_bump(rest) for rest in left]))
     unit = f"({record.effort_unit} {record.position_unit})^0.5"
-    for name, scatters in (("roughness", whole), ("fast_roughness", fast), ("slow_roughness", slow)):
-        found[name] = Feature(float(np.mean(np.log(scatters))), unit, logarithm=True)
+    for name, sizes in (("roughness", whole), ("fast_roughness", fast), ("slow_roughness", slow)):
+        found[name] = Feature(float(np.mean(np.log(sizes))), unit, logarithm=True)
     found["bump"] = Feature(float(np.log(np.mean(bumps) + _TINY)), "1", logarithm=True)
     if rests := phases.strokes(0):
         hunting = [
-            np.concatenate([x[p.steady] - x[p.steady].mean() for p in rests]).std() for x in (record.effort, error)
+            _typical(np.std, [values[p.steady] for p in rests], floor)
+            for values, floor in zip((record.effort, error), floors, strict=True)
         ]
-        sizes = np.log([hunting[0] + effort_floor, hunting[1] + place_floor])
-        found["rest_hunting"] = Feature(float(sizes.mean()), unit, logarithm=True)
+        found["rest_hunting"] = Feature(float(np.mean(np.log(hunting))), unit, logarithm=True)
     return found
 
 
@@ -249,15 +254,23 @@ def _residual(values: np.ndarray, position: np.ndarray, wavelength: float) -> np
     return np.asarray(values - np.polyval(np.polyfit(steps, values, 2), steps))
 
 
-def _fast(parts: list[np.ndarray]) -> float:
+def _typical(scatter: Callable[[np.ndarray], float], parts: list[np.ndarray], floor: float) -> float:
+    """Geometric mean of the scatter of each part of a run: each counts once, however long and wild it is."""
+    return float(np.exp(np.mean([np.log(np.hypot(scatter(part), floor)) for part in parts])))
+
+
+def _floor(values: np.ndarray) -> float:
+    """The least scatter of a sensor's readings (n,) that can be told from none: that of rounding to its steps."""
+    return max(smallest_step(values) / np.sqrt(12.0), _TINY * float(np.ptp(values)))
+
+
+def _fast(part: np.ndarray) -> float:
     """Root of half the mean square of the steps from sample to sample."""
-    steps = np.concatenate([np.diff(part) for part in parts])
-    return float(np.sqrt(0.5 * np.mean(steps**2)))
+    return float(np.sqrt(0.5 * np.mean(np.diff(part) ** 2)))
 
 
-def _slow(parts: list[np.ndarray]) -> float:
-    means = [np.convolve(part, np.full(_FEW, 1.0 / _FEW), "valid") for part in parts if len(part) >= _FEW]
-    return float(np.concatenate(means).std())
+def _slow(part: np.ndarray) -> float:
+    return float(np.convolve(part, np.full(_FEW, 1.0 / _FEW), "valid").std())
 
 
 def _bump(left: np.ndarray) -> float:

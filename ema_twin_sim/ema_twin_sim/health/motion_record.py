@@ -17,6 +17,7 @@ POSITIONS = ("output_position", "motor_position")
 SPEED = "speed"
 """Integrated if there is no position."""
 EFFORTS = ("current", "motor_torque")
+_ROUNDING = 1e-9  # of its range: what arithmetic makes differ between two equal readings
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,3 +84,9 @@ class MotionRecord:
             place=place,
             unsigned=True if f"{effort}{KIND}" in recording.metadata else None,
         )
+
+
+def smallest_step(values: np.ndarray) -> float:
+    """The smallest difference between two readings (n,) of a sensor, in their unit; 0 if they never change."""
+    steps = np.diff(np.unique(values))
+    return float(min(steps[steps > _ROUNDING * steps.sum()], default=0.0))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from ..criteria import PART
 from .acquisition import Acquisition, judge_acquisition
 from .features import Features, features_of
 from .motion_record import MotionRecord
-from .phases import phases_of
+from .phases import Phases, phases_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,10 +40,22 @@ def run_features(record: MotionRecord, wavelength: float, unsigned: bool | None 
         phases = phases_of(record)
         features = features_of(record, wavelength, taken)
         motion = float(np.median(np.diff(record.time))), phases.travel, phases.top_speed
+        if np.isfinite(wavelength) and "wave_depth" not in features.values:
+            acquisition = replace(acquisition, findings=(*acquisition.findings, _too_short(phases, record, wavelength)))
     return RunFeatures(
         record.name, record.test, acquisition, features, wavelength, taken, motion, record.position_unit,
         record.effort_unit,
     )  # fmt: skip
+
+
+def _too_short(phases: Phases, record: MotionRecord, wavelength: float) -> str:
+    strokes = phases.strokes(1) + phases.strokes(-1)
+    longest = max(float(np.ptp(record.position[stroke.steady])) for stroke in strokes)
+    return (
+        "The wave that repeats with the position is not judged: the longest stroke is "
+        f"{longest / wavelength:.1g} times its wavelength of {wavelength:.3g} {record.position_unit}. Record longer "
+        "strokes, or correct the wavelength."
+    )
 
 
 def same_motion(one: RunFeatures, other: RunFeatures) -> bool:

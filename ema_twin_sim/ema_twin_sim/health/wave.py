@@ -11,18 +11,30 @@ _FINER = 4  # wavelengths tried within the width of a spectral line
 _NEIGHBOURS = 10.0  # line widths on either side against which a line must stand out
 
 
-def wave_phasor(values: np.ndarray, position: np.ndarray, wavelength: float) -> complex:
-    """Phasor of a wave over the position, fitted together with its second harmonic and a parabola.
+def wave_phasor(strokes: Sequence[tuple[np.ndarray, np.ndarray]], wavelength: float) -> complex | None:
+    """Phasor of the wave that strokes of (values (n,), position (n,)) share; None if they do not show it.
 
-    Its real and imaginary parts are the amplitudes of cosine and sine of 2π position / wavelength, so that the same
-    wave has the same phasor in every run that counts its position from the same place. Units are those of the values.
+    It is fitted together with its second harmonic and a parabola for each stroke, so a stroke counts by what it tells.
+    Its real and imaginary parts are the amplitudes of cosine and sine of 2π position / wavelength: the same wave has
+    the same phasor in every run that counts its position from the same place. Units are those of the values.
+
+    A stroke of little more than one wavelength looks like a parabola. So at least half of what its samples tell of a
+    wave must be left beside that.
     """
-    found = np.linalg.lstsq(_columns(position, wavelength), values, rcond=None)[0]
-    return complex(found[3], found[4])
+    told, asked, samples = np.zeros((4, 4)), np.zeros(4), 0
+    for values, position in strokes:
+        columns = _columns(position, wavelength)
+        waves = columns[:, 3:] - columns[:, :3] @ np.linalg.lstsq(columns[:, :3], columns[:, 3:], rcond=None)[0]
+        told, asked, samples = told + waves.T @ waves, asked + waves.T @ values, samples + len(values)
+    alone = 0.5 * samples  # the sum of squares of a cosine
+    if not samples or np.linalg.eigvalsh(told)[0] < 0.5 * alone:
+        return None
+    found = np.linalg.solve(told, asked)
+    return complex(found[0], found[1])
 
 
 def beside_wave(values: np.ndarray, position: np.ndarray, wavelength: float) -> np.ndarray:
-    """Residual of values (n,) or (n, k) after the fit of ``wave_phasor``; of a parabola alone for ``inf``."""
+    """Residual of values (n,) or (n, k) after the fit of ``wave_phasor`` to one stroke; of a parabola for ``inf``."""
     columns = _columns(position, wavelength)
     return np.asarray(values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0])
 

@@ -22,6 +22,7 @@ from ..criteria import SMALL
 from ..listing import first_of
 from ..measured.drive_regression import agreed_sign, signs_of_drive
 from ..measured.load_sensor import falls_with_load, follows_load, times_current
+from ..measured.ratio_of_positions import ratio_of_positions
 from ..measured.scales import to_own_units
 from ..measured.sign_by_friction import sign_by_friction
 from ..measured.way_by_speed import standing_position
@@ -37,7 +38,7 @@ from .model_draft import ModelDraft, draft_model, farthest
 from .never_changing import never_changing
 from .position_beside_speed import not_summed, share_beside_speed, unlike_speed
 from .rows import may_be_points
-from .shaft import Shaft, is_geared, is_possible, position_shaft, ratio_of_positions, shaft_by_travel
+from .shaft import Shaft, is_geared, is_possible, position_shaft, shaft_by_travel
 from .sign_words import how_it_is_turned, how_to_turn
 from .signal_columns import is_quadrature
 from .torque_beside_current import not_proportional

@@ -14,6 +14,7 @@ from ema_bench_replay.long_columns import divided, times
 from ema_bench_replay.recording import AT, AT_EITHER_SHAFT, Recording
 from ema_bench_replay.units import signal_unit, unit_in, units_of
 
+from ..measured.ratio_of_positions import ALIKE, ratio_of_positions
 from ..measured.speed_lag import speed_lag
 from ..model.check_comment import ASSUMED, CHECK, REMEDIES, START_VALUE, check_comment
 from ..model.constants import CONSTANTS
@@ -24,14 +25,12 @@ from .drive_gains import drive_gains
 from .given import Given
 from .load_beside_motor import shown_gear
 from .shaft import (
-    ALIKE,
     EXACT,
     SAME_RATIO,
     Shaft,
     fastest_motion,
     is_possible,
     positions_part,
-    ratio_of_positions,
     whole_ratio,
 )
 from .steps import common_step, is_decimal
