@@ -48,6 +48,17 @@ def test_play_is_named_where_only_one_encoder_was_recorded():
     assert judged(alone, lacks=("lost_motion",), fast_roughness=10, rest_hunting=8).family is Family.PLAY
 
 
+def test_a_change_that_hardly_shows_any_play_is_not_named_play():
+    """Where no second encoder was recorded, some feature of play has to be off likely."""
+    assert rank({"settling": 6.0, "rest_hunting": 1.7, "friction": 2.8, "load": 0.3})[0].family is Family.UNKNOWN
+
+
+def test_several_weak_direct_measures_together_are_enough():
+    weak = {"wave_depth": 2.4, "wave_both_ways": 2.4, "friction": -1.0, "load": 0.2}
+    assert rank(weak)[0].family is Family.LOCAL_DAMAGE
+    assert rank({**weak, "wave_both_ways": 0.0})[0].family is Family.UNKNOWN
+
+
 def test_lost_motion_that_never_varies_shows_that_it_did_not_rise():
     """Its scatter is too small to judge its size by, but it was measured."""
     still = healthy_by_hand(still=("lost_motion",))

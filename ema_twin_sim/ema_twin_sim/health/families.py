@@ -132,10 +132,12 @@ def rank(changes: Mapping[str, float], beside: Mapping[str, float] | None = None
 
 
 def _moved(family: Family, values: Mapping[str, float]) -> bool:
-    """Whether a direct measure of a family moved in its direction, or none was recorded."""
-    recorded = [name for name in DIRECT[family] if name in values]
+    """Whether the direct measures of a family moved in its direction; if none was recorded, whether any feature did."""
     signs = DIRECTIONS[family]
-    return not recorded or any(sign * values[name] > CONTRADICTED for name in recorded for sign in signs[name])
+    part = {name: max(0.0, *(sign * values[name] for sign in signs[name])) for name in signs if name in values}
+    if recorded := {name: part[name] for name in DIRECT[family] if name in part}:
+        return _squared(recorded) > CONTRADICTED**2
+    return max(part.values(), default=0.0) > LIKELY
 
 
 def _explanation(family: Family, values: Mapping[str, float]) -> _Explanation:

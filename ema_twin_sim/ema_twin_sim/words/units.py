@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from ..criteria import MOSTLY
 from ..listing import number_of
 from ..quantities import quantity
 from .sentences import effect_words
@@ -75,15 +76,19 @@ def _named_words(test: JudgedTest) -> str:
     if not test.detected:
         return ""
     named = test.named
-    return "unknown" if named is None else f"{named.family.value} {100.0 * named.probability:.0f} %"
+    return _family(test) if named is None else f"{named.family.value} {100.0 * named.probability:.0f} %"
 
 
 def _change_words(test: JudgedTest) -> str:
-    """What changed in the recording of a test that is farthest from the healthy ones, or why it could not be judged."""
+    """What changed in the recording of a test that is farthest from the healthy ones, or why it could not be judged.
+
+    If no family of damage explains it, why.
+    """
     worst = test.worst
     if worst.detected is None:
         return " ".join(worst.words)
-    return worst.words[len(worst.acquisition.findings)] if test.detected else ""
+    told = worst.words[len(worst.acquisition.findings) :]
+    return " ".join(told if worst.unknown else told[:1]) if test.detected else ""
 
 
 def health_words(health: UnitHealth | None) -> str:
@@ -130,6 +135,9 @@ def unit_words(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) 
         told.append(f"Missing in its model: {missing_words(unit)}.")
     if health is not None and health.tests:
         told.append(f"{_of_tests([health], 'tests deviate from its healthy ones')}.")
+        names = Counter(_family(test) for test in health.off)
+        if names and max(names.values()) < MOSTLY * names.total():
+            told.append("Its fault is named differently from test to test, so no single name is reliable.")
     if looks:
         moving = moving_words(looks)
         more = f", and {len(moving) - _SHOWN} more" if len(moving) > _SHOWN else ""
@@ -139,10 +147,15 @@ def unit_words(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) 
 
 def _of_tests(health: Sequence[UnitHealth], tests: str) -> str:
     """How many tests deviate, and which families of faults they show: ``27 of 87 tests: local damage 20, play 7``."""
-    off = [test for of in health for test in of.off]
-    families = Counter("unknown" if (of := test.named) is None else of.family.value for test in off)
-    total = sum(len(of.tests) for of in health)
-    return f"{len(off)} of {total} {tests}{_counted(families, str, ': ', '')}"
+    families = Counter(_family(test) for of in health for test in of.off)
+    every = [test for of in health for test in of.tests]
+    left = sum(not test.judged for test in every)
+    not_judged = f"; {left} could not be judged" if left else ""
+    return f"{families.total()} of {len(every)} {tests}{_counted(families, str, ': ', '')}{not_judged}"
+
+
+def _family(test: JudgedTest) -> str:
+    return "unknown" if (of := test.named) is None else of.family.value
 
 
 def _counted(counts: Counter[str], words: Callable[[str], str], begin: str = " (", end: str = ")") -> str:
