@@ -163,6 +163,13 @@ def test_the_lead_of_the_screw_is_found():
     assert found_wavelength(strokes) == pytest.approx(LEAD, rel=0.03)
 
 
+def test_a_wave_longer_than_the_travel_is_not_judged():
+    """A fraction of a wave cannot be told from a trend: its amplitude may be anything."""
+    short = learn(runs(np.random.default_rng(4), 8, repeats=2), wavelength=0.5)
+    assert not any(name.startswith("wave_") for name in short.features)
+    assert judge(run(np.random.default_rng(5), "another"), short).detected is False
+
+
 def test_a_magnitude_is_told_and_names_no_load():
     rng = np.random.default_rng(8)
     learnt = learn(runs(rng, 8, magnitude=True))

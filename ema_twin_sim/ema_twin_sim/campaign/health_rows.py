@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from ..health.acquisition import Acquisition
+from ..health.acquisition import Acquisition, Extent
 from ..health.features import Feature, Features
 from ..health.run_features import RunFeatures
 
 _MOTION = ("period", "travel", "top_speed")
+_STROKES = "strokes"
+"""Listed with the features, since the column's form is that of earlier versions; their results lack it."""
 
 
 def health_row(run: RunFeatures) -> dict[str, Any]:
@@ -30,24 +32,37 @@ def health_row(run: RunFeatures) -> dict[str, Any]:
         "effort_unit": run.effort_unit,
         "features": None
         if features is None
-        else [{"name": name, **feature._asdict()} for name, feature in features.values.items()],
+        else [
+            {"name": name, **feature._asdict()}
+            for name, feature in {
+                **features.values,
+                _STROKES: Feature(float(acquisition.extent.strokes), "1", of_effort=False),
+            }.items()
+        ],
     }
 
 
-def run_of(name: str, held: Mapping[str, Any]) -> RunFeatures:
-    """The run from a value of the column ``health``."""
-    features = None
+def run_of(name: str, held: Mapping[str, Any], duration: float | None = None) -> RunFeatures:
+    """The run from a value of the column ``health`` and its duration in s."""
+    features, strokes = None, 0
     if held["features"] is not None:
         values = {
             one["name"]: Feature(one["value"], one["unit"], one["logarithm"], one["of_effort"])
             for one in held["features"]
         }
+        strokes = int(values.pop(_STROKES).value) if _STROKES in values else 0
         features = Features(values, (_number(held["forward"]), _number(held["backward"])))
     period, travel, top_speed = (_number(held[what]) for what in _MOTION)
     return RunFeatures(
         name=name,
         test=held["test"],
-        acquisition=Acquisition(held["usable"], held["effort_usable"], held["unsigned"], tuple(held["findings"] or ())),
+        acquisition=Acquisition(
+            held["usable"],
+            held["effort_usable"],
+            held["unsigned"],
+            tuple(held["findings"] or ()),
+            Extent(duration or 0.0, strokes),
+        ),
         features=features,
         wavelength=_number(held["wavelength"]),
         unsigned=held["unsigned"],

@@ -10,7 +10,7 @@ from typing import Any
 from ema_bench_replay.errors import InputError
 
 from ..health.baseline import FEWEST_TESTS, Baseline, learn_from
-from ..health.families import Ranked
+from ..health.families import Family, Ranked
 from ..health.judgement import HealthJudgement, judge_run, named_together
 from ..health.run_features import RunFeatures, same_motion
 from .health_rows import run_of
@@ -45,7 +45,8 @@ class JudgedTest:
     def named(self) -> Ranked | None:
         """The fault family by all of these together; None if nothing was detected, or no family explains it."""
         ranked = named_together(self.runs) if self.detected else ()
-        return ranked[0] if ranked and ranked[0].explained > 0.0 else None
+        best = ranked[0] if ranked and ranked[0].explained > 0.0 else None
+        return None if best is None or best.family is Family.UNKNOWN else best
 
     @property
     def worst(self) -> HealthJudgement:
@@ -147,7 +148,11 @@ def learnt_from(runs: Sequence[RunFeatures]) -> Learnt:
 
 def healthy_runs(unit: Unit, healthy: Healthy) -> tuple[list[RunFeatures], list[bool]]:
     """A unit's runs for which the campaign computed health features, and whether each is healthy."""
-    runs = [run_of(row["name"], row["health"]) for row in unit.rows if row["status"] == DONE and row["health"]]
+    runs = [
+        run_of(row["name"], row["health"], row["duration"])
+        for row in unit.rows
+        if row["status"] == DONE and row["health"]
+    ]
     return runs, healthy.among([run.name for run in runs], [run.test for run in runs], FEWEST_TESTS)
 
 

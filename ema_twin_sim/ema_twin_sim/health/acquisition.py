@@ -12,6 +12,14 @@ from .phases import Phases, phases_of
 
 
 @dataclass(frozen=True)
+class Extent:
+    """How much a run holds; zero if that is unknown."""
+
+    duration: float = 0.0  # s
+    strokes: int = 0  # both ways
+
+
+@dataclass(frozen=True)
 class Acquisition:
     """What is wrong with a run's signals, and what can be judged nevertheless."""
 
@@ -19,6 +27,7 @@ class Acquisition:
     effort_usable: bool  # whether the size of its effort can be judged
     unsigned: bool  # whether the effort is a magnitude
     findings: tuple[str, ...]
+    extent: Extent = Extent()
 
     @property
     def fit_to_learn_from(self) -> bool:
@@ -55,7 +64,8 @@ def judge_acquisition(record: MotionRecord) -> Acquisition:
     usable = clipped <= NEGLIGIBLE and np.ptp(record.effort) > 0.0
     if not np.ptp(record.effort) > 0.0:
         findings.append("The effort never changes and is not judged. Check its sensor.")
-    return Acquisition(True, bool(usable), unsigned, tuple(findings))
+    extent = Extent(float(record.time[-1] - record.time[0]), len(phases.strokes(1)) + len(phases.strokes(-1)))
+    return Acquisition(True, bool(usable), unsigned, tuple(findings), extent)
 
 
 def clock_fault(time: np.ndarray) -> str:

@@ -12,7 +12,7 @@ from scipy import stats
 from ema_bench_replay.errors import InputError
 
 from ..criteria import MOSTLY, NEARLY_ALL
-from .acquisition import judge_acquisition
+from .acquisition import Extent, judge_acquisition
 from .between_tests import Prediction, predict
 from .disturbance import tells_more
 from .false_alarms import FALSE_ALARM
@@ -62,11 +62,24 @@ class Baseline:
     unsigned: bool
     freed: bool  # whether the waves are without what errors of the position explain
     motion: tuple[float, float, float]  # sample period s, travel m or rad, top speed m/s or rad/s
+    extents: tuple[Extent, ...]  # of the healthy runs
+    still: Mapping[str, tuple[float, float]]  # features that hardly vary: their mean, and what counts as hardly
     warnings: tuple[str, ...]
 
     def vector(self, features: Features) -> np.ndarray:
         """The features of a run (p,), NaN for those that it lacks."""
         return _vector(features.told(self.freed), self.features, self.scale)
+
+    def healthy(self, name: str) -> tuple[float, float]:
+        """Mean and standard deviation of a feature, as compared: in times of the unit's own effort if it scales."""
+        row = self.features.index(name)
+        return float(self.prediction.mean[row]), float(self.prediction.spread[row])
+
+    def beside(self, features: Features) -> dict[str, float]:
+        """How far a run is off in the features that hardly vary, in times of what counts as hardly."""
+        values = _vector(features.told(self.freed), tuple(self.still), self.scale)
+        return {name: (value - mean) / hardly for value, (name, (mean, hardly)) in zip(values, self.still.items(),
+                strict=True) if np.isfinite(value)}  # fmt: skip
 
 
 def learn(
@@ -112,13 +125,24 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
     all_features = [run.features for run in kept if run.features is not None]
     freed = _freed(all_features, tests)
     told = [features.told(freed) for features in all_features]
-    names = tuple(name for name in RUNNING + ALONE + SHOWN if all(name in values for values in told))
+    motions = np.array([run.motion for run in kept])
+    travel = float(np.median(motions[:, 1]))
+    names = tuple(
+        name
+        for name in RUNNING + ALONE + SHOWN
+        if all(name in values for values in told)
+        and (wavelength <= travel or not name.startswith("wave_"))  # a longer wave cannot be told from a trend
+    )
     sides = tuple(float(np.nanmean([features.sides[i] for features in all_features])) for i in (0, 1))
     scale = float(np.nanmax(np.abs(sides)))
     values = np.array([_vector(values, names, scale) for values in told])
-    motions = np.array([run.motion for run in kept])
-    sizes = _sizes(told[0], names, float(np.median(motions[:, 1])))
+    sizes = _sizes(told[0], names, travel)
     moving = [name for name, spread in zip(names, values.std(axis=0) / sizes, strict=True) if spread > _VANISHING]
+    still = {
+        name: (float(mean), _VANISHING * float(size))
+        for name, mean, size in zip(names, values.mean(axis=0), sizes, strict=True)
+        if name not in moving
+    }
     values = values[:, [names.index(name) for name in moving]]
     judged = [name for name in moving if not (unsigned and name == "load")]  # a magnitude does not show a load
     columns = [moving.index(name) for name in judged]
@@ -137,6 +161,8 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
         unsigned=unsigned,
         freed=freed,
         motion=tuple(np.median(motions, axis=0)),
+        extents=tuple(run.acquisition.extent for run in kept),
+        still=still,
         warnings=tuple(warnings),
     )
 

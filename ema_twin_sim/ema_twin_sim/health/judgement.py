@@ -7,18 +7,19 @@ advice.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..criteria import CONTRADICTED, LIKELY, NEGLIGIBLE, PART, SIGNIFICANT
 from .acquisition import Acquisition
-from .baseline import Baseline, other_sign, tails
+from .baseline import Baseline, tails
+from .comparable import not_comparable
 from .families import Family, Ranked, rank
 from .features import Feature, Features
 from .motion_record import MotionRecord
-from .run_features import RunFeatures, alike, run_features
+from .run_features import RunFeatures, run_features
 
 _WORDS = {
     "friction": "effort in steady motion",
@@ -72,9 +73,15 @@ class HealthJudgement:
     false_alarm: float  # share of healthy runs that would be called off
     distance: float  # from the baseline, in times the limit's; 1 is the limit, NaN if it was not judged
     family: Family | None  # None: nothing was detected
-    sureness: float  # probability among the families
+    sureness: float  # probability among the families and the unknown
     ranked: tuple[Ranked, ...]
     words: tuple[str, ...]
+    beside: Mapping[str, float] = field(default_factory=dict)  # changes of features that hardly vary, for ``rank``
+
+    @property
+    def unknown(self) -> bool:
+        """Whether something changed that no family of damage is named for."""
+        return self.family is Family.UNKNOWN
 
 
 def judge(record: MotionRecord, baseline: Baseline) -> HealthJudgement:
@@ -87,7 +94,7 @@ def judge_run(run: RunFeatures, baseline: Baseline) -> HealthJudgement:
     acquisition, features = run.acquisition, run.features
     if features is None:
         return _not_judged(run, baseline, acquisition.findings)
-    if other := not_alike(run, baseline):
+    if other := not_comparable(run, baseline):
         return _not_judged(run, baseline, (*acquisition.findings, other))
     told, values = features.told(baseline.freed), baseline.vector(features)
     if not acquisition.effort_usable:
@@ -101,13 +108,16 @@ def judge_run(run: RunFeatures, baseline: Baseline) -> HealthJudgement:
     offs = (values - baseline.prediction.mean) / baseline.prediction.spread
     changes = tuple(_change(name, told[name], baseline, off) for name, off in zip(baseline.features, offs, strict=True)
                     if name in told and math.isfinite(off))  # fmt: skip
-    ranked = rank({c.name: c.standard_deviations for c in changes if not (acquisition.unsigned and c.name == "load")})
-    family, why = _named(ranked, offs, features, baseline, acquisition) if detected else (None, ())
+    all_changes = {c.name: c.standard_deviations for c in changes}
+    known = {name: off for name, off in all_changes.items() if not (acquisition.unsigned and name == "load")}
+    beside = baseline.beside(features)
+    ranked = rank(known, beside)
+    family, why = _named(ranked, all_changes, features, baseline, acquisition) if detected else (None, ())
     return HealthJudgement(
         run.name, run.test, acquisition, told, changes, detected, baseline.false_alarm,
         float(np.nanmax(found / limits)), family,
         ranked[0].probability if ranked and family not in (None, Family.UNKNOWN) else 0.0,
-        ranked, (*acquisition.findings, *_words(changes, detected, baseline), *why),
+        ranked, (*acquisition.findings, *_words(changes, detected, baseline), *why), beside,
     )  # fmt: skip
 
 
@@ -117,54 +127,57 @@ def named_together(judgements: Sequence[HealthJudgement]) -> tuple[Ranked, ...]:
     What differs between the runs averages out. What differs between tests does not, so this names a family, but detects
     nothing.
     """
-    off = [{c.name: c.standard_deviations for c in one.changes} for one in judgements if one.detected]
+    off = [one for one in judgements if one.detected]
     magnitude = any(one.acquisition.unsigned for one in judgements)
-    names = sorted({name for changes in off for name in changes if not (magnitude and name == "load")})
-    return rank({name: float(np.mean([c[name] for c in off if name in c])) for name in names})
+    changes = _mean([{c.name: c.standard_deviations for c in one.changes} for one in off])
+    if magnitude:
+        changes.pop("load", None)
+    return rank(changes, _mean([one.beside for one in off]))
 
 
-def not_alike(run: RunFeatures, baseline: Baseline) -> str:
-    """How a run differs from the healthy ones so that its features do not compare; empty if they do."""
-    if run.unsigned != baseline.unsigned:
-        return f"{other_sign(run)}; record as the healthy ones were."
-    units = "s", run.position_unit, f"{run.position_unit}/s"
-    for what, unit, mine, theirs in zip(
-        ("sample period", "travel", "speed"), units, run.motion, baseline.motion, strict=True
-    ):
-        if not alike(mine, theirs):
-            return (
-                f"The {what} is {mine:.3g} {unit} and that of the healthy recordings {theirs:.3g} {unit}; repeat their "
-                "test, or learn another baseline."
-            )
-    return ""
+def _mean(runs: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Mean of each feature over those runs that have it."""
+    names = sorted({name for run in runs for name in run})
+    return {name: float(np.mean([run[name] for run in runs if name in run])) for name in names}
 
 
 def _named(
-    ranked: tuple[Ranked, ...], offs: np.ndarray, features: Features, baseline: Baseline, acquisition: Acquisition
+    ranked: tuple[Ranked, ...],
+    changes: Mapping[str, float],
+    features: Features,
+    baseline: Baseline,
+    acquisition: Acquisition,
 ) -> tuple[Family, tuple[str, ...]]:
     """The family of a change that was detected, and why, in words."""
     if not acquisition.effort_usable:
         return Family.UNKNOWN, ("No fault family is given, because the effort is not usable.",)
-    if not ranked or ranked[0].explained <= 0.0:
-        return Family.UNKNOWN, (
-            f"No known family of damage changes the features in this way. {_ADVICE[Family.UNKNOWN]}",
-        )
-    best = ranked[0]
     apart = np.subtract(features.sides, baseline.sides)
-    uneven = "load" in baseline.features and abs(offs[baseline.features.index("load")]) > SIGNIFICANT
+    uneven = abs(changes.get("load", 0.0)) > SIGNIFICANT
     if acquisition.unsigned and uneven and apart[0] * apart[1] < 0.0:
         return Family.UNKNOWN, (
             "The effort rises in one direction and falls in the other; an unsigned effort does not show whether load "
             "or friction changed. Record a signed current.",
         )
+    if not ranked or ranked[0].family is Family.UNKNOWN or ranked[0].explained <= 0.0:
+        return Family.UNKNOWN, (f"{_unexplained(ranked, changes)} {_ADVICE[Family.UNKNOWN]}",)
+    best = ranked[0]
     reasons = " and ".join(_REASONS[name] for name in best.because[:2])
     sentence = (
-        f"This is {best.family.value} (probability {best.probability:.0%} among the known families), by {reasons}."
+        f"This is {best.family.value} (probability {best.probability:.0%} among the known families and none of them), "
+        f"by {reasons}."
     )
     rivals = [other for other in ranked[1:] if other.probability > 1.0 - best.probability or other.probability > PART]
     if rivals:
-        sentence += f" Alternatively {rivals[0].family.value} ({rivals[0].probability:.0%})."
+        other = "none of them" if rivals[0].family is Family.UNKNOWN else rivals[0].family.value
+        sentence += f" Alternatively {other} ({rivals[0].probability:.0%})."
     return best.family, (f"{sentence} {_ADVICE[best.family]}",)
+
+
+def _unexplained(ranked: tuple[Ranked, ...], changes: Mapping[str, float]) -> str:
+    """What changed that none of the families explains, in a sentence."""
+    left = ranked[0].because if ranked and ranked[0].family is Family.UNKNOWN else ()
+    by = f": {_REASONS[left[0]]} by {changes[left[0]]:+.1f} standard deviations" if left else ""
+    return f"Something changed that none of the families of damage explains{by}."
 
 
 def _words(changes: tuple[Change, ...], detected: bool, baseline: Baseline) -> tuple[str, ...]:

@@ -49,13 +49,19 @@ def _when_words(health: UnitHealth) -> str:
 
 def tests_words(health: Sequence[UnitHealth], tests: str) -> str:
     """How many tests deviate, and how many of them show which family of faults: ``27 of 87 tests: play 20, load 7``."""
-    off = [test for of in health for test in of.off]
-    families = Counter("unknown" if (of := test.named) is None else of.family.value for test in off)
+    families = Counter(family_words(test) for of in health for test in of.off)
     told = [f"{family} {count}" for family, count in families.most_common(_SHOWN)]
     others = families.total() - sum(count for _, count in families.most_common(_SHOWN))
     told += [number_of(others, "other")] if others else []
-    total = sum(len(of.tests) for of in health)
-    return f"{len(off)} of {total} {tests}{': ' if told else ''}{', '.join(told)}"
+    every = [test for of in health for test in of.tests]
+    left = sum(not test.judged for test in every)
+    not_judged = f"; {left} could not be judged" if left else ""
+    return f"{families.total()} of {len(every)} {tests}{': ' if told else ''}{', '.join(told)}{not_judged}"
+
+
+def family_words(test: JudgedTest) -> str:
+    """The fault family that a test's recordings give together, or *unknown*."""
+    return "unknown" if (of := test.named) is None else of.family.value
 
 
 def course_words(look: Outlook) -> str:
@@ -88,12 +94,16 @@ def _named_words(test: JudgedTest) -> str:
     if not test.detected:
         return ""
     named = test.named
-    return "unknown" if named is None else f"{named.family.value} {100.0 * named.probability:.0f} %"
+    return family_words(test) if named is None else f"{named.family.value} {100.0 * named.probability:.0f} %"
 
 
 def _change_words(test: JudgedTest) -> str:
-    """What changed in the recording of a test that is farthest from the healthy ones, or why it could not be judged."""
+    """What changed in the recording of a test that is farthest from the healthy ones, or why it could not be judged.
+
+    If no family of damage explains it, why.
+    """
     worst = test.worst
     if worst.detected is None:
         return " ".join(worst.words)
-    return worst.words[len(worst.acquisition.findings)] if test.detected else ""
+    told = worst.words[len(worst.acquisition.findings) :]
+    return " ".join(told if worst.unknown else told[:1]) if test.detected else ""

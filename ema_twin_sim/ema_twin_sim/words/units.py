@@ -7,10 +7,11 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from ..criteria import MOSTLY
 from ..listing import number_of
 from ..quantities import quantity
 from .sentences import effect_words
-from .unit_health import health_words, tests_words
+from .unit_health import family_words, health_words, tests_words
 
 if TYPE_CHECKING:
     from ..campaign.histories import Outlook
@@ -135,6 +136,9 @@ def unit_words(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) 
         told.append(f"Missing in its model: {missing_words(unit)}.")
     if health is not None and health.tests:
         told.append(f"{tests_words([health], 'tests deviate from its healthy ones')}.")
+        names = Counter(family_words(test) for test in health.off)
+        if names and max(names.values()) < MOSTLY * names.total():
+            told.append("Its fault is named differently from test to test, so no single name is reliable.")
     if looks:
         moving = moving_words(looks)
         more = f", and {len(moving) - _SHOWN} more" if len(moving) > _SHOWN else ""
