@@ -9,7 +9,7 @@ from ema_twin_sim.campaign.results import DONE
 from ema_twin_sim.campaign.unit_health import unit_health
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.health.acquisition import Acquisition, Extent
-from ema_twin_sim.words.units import test_cells as cells_of
+from ema_twin_sim.words.unit_health import test_cells as cells_of
 from ema_twin_sim.words.units import unit_words
 from tests.health_by_hand import run_by_hand
 from tests.stored_rows import complete
