@@ -74,5 +74,3 @@ def test_the_number_of_strokes_is_kept_with_the_features():
     kept = run_of("a run", health_row(run), 20.0)
     assert kept.acquisition.extent == Extent(20.0, 8)
     assert kept.features.values == run.features.values
-    earlier = {**health_row(run), "features": health_row(run)["features"][:-1]}
-    assert run_of("a run", earlier).acquisition.extent == Extent()

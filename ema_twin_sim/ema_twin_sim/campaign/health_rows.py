@@ -13,7 +13,7 @@ from ..health.run_features import RunFeatures
 
 _MOTION = ("period", "travel", "top_speed")
 _STROKES = "strokes"
-"""Listed with the features, since the column's form is that of earlier versions; their results lack it."""
+"""The number of strokes, listed with the features."""
 
 
 def health_row(run: RunFeatures) -> dict[str, Any]:
@@ -50,7 +50,7 @@ def run_of(name: str, held: Mapping[str, Any], duration: float | None = None) ->
             one["name"]: Feature(one["value"], one["unit"], one["logarithm"], one["of_effort"])
             for one in held["features"]
         }
-        strokes = int(values.pop(_STROKES).value) if _STROKES in values else 0
+        strokes = int(values.pop(_STROKES).value)
         features = Features(values, (_number(held["forward"]), _number(held["backward"])))
     period, travel, top_speed = (_number(held[what]) for what in _MOTION)
     return RunFeatures(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pyarrow as pa
 
-SCHEMA_VERSION = "4"
-"""Changed with every change of the schema that would break readers of older files."""
+SCHEMA_VERSION = "5"
+"""Changed with what would break readers of older files: the schema, or what the numbers of a column are."""
 
 DONE, REFUSED, FAILED = "done", "refused", "failed"
 """Judged; input that cannot be judged; an error of this package, or a worker that died."""

@@ -56,7 +56,7 @@ def _other_extent(run: RunFeatures, baseline: Baseline) -> str:
         ("number of strokes", "", float(mine.strokes), [float(extent.strokes) for extent in baseline.extents]),
     ):
         if not (value > 0.0 and theirs and min(theirs) > 0.0):
-            continue  # results of earlier versions do not hold it
+            continue  # a live run has neither
         if not (1.0 - PART) * min(theirs) <= value <= (1.0 + PART) * max(theirs):
             nearest = min(theirs) if value < min(theirs) else max(theirs)
             advice = "It may have been cut: repeat" if value < nearest else "Repeat"
