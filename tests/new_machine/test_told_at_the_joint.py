@@ -103,3 +103,15 @@ def test_the_counts_of_a_joints_encoder_are_told_as_the_outputs(tmp_path, capsys
     said = " ".join(capsys.readouterr().out.split())
     assert "output encoder 8192 counts per turn" in said and "motor encoder" not in said
     assert constants(tmp_path / "joint.yaml")["sensors.motor_encoder_counts"] == pytest.approx(8192.0 / RATIO)
+
+
+def test_the_advice_in_a_map_on_the_other_shaft_is_none_of_its_content(tmp_path, capsys):
+    time, columns = sampled(encoder=8192.0)
+    named = {name.replace("position", "angle"): values for name, values in columns.items()}
+    named |= {"output position [rad]": columns["position [rad]"] / RATIO}
+    header = ",".join(["time [s]", *named])
+    np.savetxt(tmp_path / "a.csv", np.column_stack([time, *named.values()]), "%.12g", ",", header=header, comments="")
+    init(str(tmp_path / "a"), [tmp_path / "a.csv"])
+    said = " ".join(capsys.readouterr().out.split())
+    assert "add `shaft: output`" in (tmp_path / "a_map.yaml").read_text()
+    assert "motor encoder 8192 counts per turn" in said

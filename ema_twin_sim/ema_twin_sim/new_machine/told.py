@@ -19,7 +19,7 @@ from .torque_constant import GIVEN, TORQUE_OVER_CURRENT
 from .travel_per_turn import READ_AS_FORCE
 
 _MOTOR_COUNTS, _OUTPUT_COUNTS = "sensors.motor_encoder_counts", "sensors.output_encoder_counts"
-_AT_OUTPUT = re.compile(r"^ *motor_position: .*\bshaft: output\b", re.MULTILINE)
+_AT_OUTPUT = re.compile(r"^ *motor_position: \{.*, shaft: output[,}]", re.MULTILINE)
 _TOLD = {
     "machine.gear_ratio": "gear ratio",
     "machine.torque_constant": "torque constant",
