@@ -103,7 +103,7 @@ METHOD = {
     "health/drift.py": "_FEWEST _ONSETS _POWERS _RATES _USUAL _STEPS _HARDLY _SECOND_DIFFERENCES _DIFFUSE",
     "health/families.py": "_AKAIKE",
     "health/features.py": "_FEW _PEAK _LOCAL _TINY",
-    "health/motion_record.py": "_ROUNDING",
+    "health/motion_record.py": "ROUNDING",
     "health/phases.py": "_SMOOTHED _FEWEST _TOP _STARTING _RESTING",
     "health/remaining_life.py": "_BEYOND",
     "health/wave.py": "FEWEST_CYCLES _FINER _NEIGHBOURS",

@@ -139,6 +139,11 @@ class Recording:
             Gap(float(time), float(step), round(step / period) - 1) for time, step in zip(times, steps, strict=True)
         )
 
+    @property
+    def drive(self) -> str | None:
+        """The signal that tells what the motor gives: the current, or else its torque; None if there is neither."""
+        return next((name for name in MAY_BE_MAGNITUDES if self.has(name)), None)
+
     def has(self, *names: str) -> bool:
         """Whether all these signals are there."""
         return all(name in self.signals for name in names)

@@ -31,6 +31,15 @@ def reading_noise(values: np.ndarray) -> float:
     return 0.0 if noise <= np.finfo(float).eps * float(np.abs(values).max()) else noise
 
 
+def smallest_step(values: np.ndarray, rounding: float = 0.0) -> float:
+    """The smallest difference between two readings (n,) of a sensor, in their unit; 0 if they never change.
+
+    Arithmetic with them may part equal readings by a ``rounding``, told as a share of their range: that is no step.
+    """
+    steps = np.diff(np.unique(values[np.isfinite(values)]))
+    return float(np.min(steps, initial=np.inf, where=steps > rounding * steps.sum())) if len(steps) else 0.0
+
+
 def polled_noise(values: np.ndarray) -> float:
     """The same of a sensor that may be polled faster than it updates, so that it repeats each reading.
 

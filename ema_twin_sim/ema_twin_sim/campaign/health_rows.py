@@ -12,8 +12,6 @@ from ..health.features import Feature, Features
 from ..health.run_features import RunFeatures
 
 _MOTION = ("period", "travel", "top_speed")
-_STROKES = "strokes"
-"""The number of strokes, listed with the features."""
 
 
 def health_row(run: RunFeatures) -> dict[str, Any]:
@@ -28,29 +26,23 @@ def health_row(run: RunFeatures) -> dict[str, Any]:
         "wavelength": _known(run.wavelength),
         **{name: _known(value) for name, value in zip(_MOTION, run.motion, strict=True)},
         **({} if features is None else dict(zip(("forward", "backward"), map(_known, features.sides), strict=True))),
+        "strokes": acquisition.extent.strokes,
         "position_unit": run.position_unit,
         "effort_unit": run.effort_unit,
         "features": None
         if features is None
-        else [
-            {"name": name, **feature._asdict()}
-            for name, feature in {
-                **features.values,
-                _STROKES: Feature(float(acquisition.extent.strokes), "1", of_effort=False),
-            }.items()
-        ],
+        else [{"name": name, **feature._asdict()} for name, feature in features.values.items()],
     }
 
 
 def run_of(name: str, held: Mapping[str, Any], duration: float | None = None) -> RunFeatures:
     """The run from a value of the column ``health`` and its duration in s."""
-    features, strokes = None, 0
+    features = None
     if held["features"] is not None:
         values = {
             one["name"]: Feature(one["value"], one["unit"], one["logarithm"], one["of_effort"])
             for one in held["features"]
         }
-        strokes = int(values.pop(_STROKES).value)
         features = Features(values, (_number(held["forward"]), _number(held["backward"])))
     period, travel, top_speed = (_number(held[what]) for what in _MOTION)
     return RunFeatures(
@@ -61,7 +53,7 @@ def run_of(name: str, held: Mapping[str, Any], duration: float | None = None) ->
             held["effort_usable"],
             held["unsigned"],
             tuple(held["findings"] or ()),
-            Extent(duration or 0.0, strokes),
+            Extent(duration or 0.0, held["strokes"]),
         ),
         features=features,
         wavelength=_number(held["wavelength"]),

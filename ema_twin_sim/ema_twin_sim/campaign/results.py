@@ -50,6 +50,7 @@ _HEALTH = pa.struct(
         ("period", pa.float64()),  # s, of its samples
         ("travel", pa.float64()),  # m or rad
         ("top_speed", pa.float64()),  # m/s or rad/s
+        ("strokes", pa.int64()),  # both ways
         ("forward", pa.float64()),  # mean effort against the motion each way, A or N m
         ("backward", pa.float64()),
         ("position_unit", pa.string()),

@@ -9,7 +9,7 @@ import numpy as np
 from ema_bench_replay.recording import AT, Recording
 
 from ..criteria import PART, SMALL
-from ..health.motion_record import MotionRecord
+from ..health.motion_record import SPEED, MotionRecord
 from ..measured.ratio_of_positions import ratio_of_positions
 from ..model import Model
 
@@ -22,6 +22,8 @@ def turn_of_motor(record: MotionRecord, model: Model | None, recording: Recordin
     All recordings of a unit need the very same wavelength, so of a ratio that both encoders show its whole number is
     taken. It need not be exact: it is near enough if waves do not part over the travel.
     """
+    if record.place == SPEED:
+        return math.nan, f"{recording.name}: has no position; its speed is integrated instead, so no wave is judged"
     if recording.motion == "linear":
         return math.nan, ""
     turn = 2.0 * math.pi

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime, timezone
@@ -121,10 +120,9 @@ def _run_name(job: Job, run: Recording) -> str:
 def _health(recording: Recording, model: Model | None, row: Row, job: Job, task: Task) -> Row:
     """The features by which a recording's unit is judged."""
     record = MotionRecord.from_recording(recording, _test(recording, row, job))
-    wavelength, unknown = turn_of_motor(record, model, recording) if task.wavelength is None else (task.wavelength, "")
-    if record.place == SPEED:
-        wavelength = math.nan
-        unknown = f"{recording.name}: has no position; its speed is integrated instead, so no wave is judged"
+    wavelength, unknown = task.wavelength, ""
+    if wavelength is None or record.place == SPEED:  # an integrated speed does not say where a wave begins
+        wavelength, unknown = turn_of_motor(record, model, recording)
     row["warnings"] += [unknown] if unknown else []
     return health_row(run_features(record, wavelength))
 

@@ -140,7 +140,8 @@ def _what_that_says(comparison: Comparison, shown: Sequence[str]) -> str:
         if share > BLIND
     ]
     if not blind:
-        left = max((r.torque_error.below_band for r in comparison.recordings if r.torque_error), default=0.0)
+        errors_of_torque = (recording.torque_error for recording in comparison.recordings)
+        left = max((e.filtered for e in errors_of_torque if e is not None and e.is_filtered), default=0.0)
         if left > SMALL:
             what = "force" if comparison.motion == "linear" else "torque"
             share = f"{100.0 * left:.0f} % of the {what}"

@@ -95,13 +95,16 @@ def say_what_it_rests_on(map_file: Path, place: Path, besides: Sequence[str], kn
 
     More assumptions are in ``besides``, and more that the recordings showed in ``known``.
     """
+    from ema_bench_replay.traces.import_map import load_map
+
     from ..model import load_model
     from ..new_machine.told import assumed, doubts_of, estimated, shown
 
     model = load_model(place)
+    at_output = any(read.signal == "motor_position" and read.at_output for read in load_map(map_file).signals)
     doubts = doubts_of(model, place.read_text(), map_file.read_text())
     numbers = {
-        "Known": [*shown(model, doubts, map_file.read_text()), *known],
+        "Known": [*shown(model, doubts, at_output=at_output), *known],
         "Estimated from the recordings": estimated(model, doubts),
         "Assumed": assumed(model, doubts),
     }

@@ -9,7 +9,7 @@ from rich.markup import escape
 
 from ..listing import number_of
 from ..quantities import estimate, quantity
-from ..words.unit_health import TEST_HEAD, course_words, test_cells
+from ..words.unit_health import MONTH, TEST_HEAD, course_words, test_cells
 from ..words.units import (
     LAST_ERROR,
     LAST_ERROR_IS,
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from ..campaign.histories import Outlook
     from ..campaign.unit_health import UnitHealth
     from ..campaign.units import Unit
-
-_MONTH = 30.0  # days
 
 
 def show_units(
@@ -130,7 +128,7 @@ def show_numbers(looks: Sequence[Outlook], most: int | None) -> None:
     table.numbers("per month" if dated else "per result", "to the limit", "reaches it in")
     for look in looks[:most]:
         of = look.history
-        slope = None if look.trend is None else look.trend.slope * (_MONTH if dated else 1.0)
+        slope = None if look.trend is None else look.trend.slope * (MONTH if dated else 1.0)
         table.add_row(
             escape(number_words(look)),
             quantity(look.healthy, of.unit),

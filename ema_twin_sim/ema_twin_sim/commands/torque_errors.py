@@ -20,7 +20,7 @@ def show_torque_errors(errors: Mapping[str, TorqueError], motion: str, model: st
     for name, error in errors.items():
         of = f"{name} ({model})" if model else name
         below = f"{_percent(error.filtered)} below {error.band:g} Hz, "
-        if error.filtered == error.unfiltered:  # nothing was filtered
+        if not error.is_filtered:
             if error.unfiltered > 1.0:  # the noise of the acceleration, which a filter removes
                 continue
             below = f"sampled too slowly for a filter of {error.band:g} Hz: "

@@ -36,9 +36,9 @@ class TorqueError:
     band: float = BAND  # Hz
 
     @property
-    def below_band(self) -> float:
-        """The filtered share; 0 if nothing could be filtered."""
-        return 0.0 if self.filtered == self.unfiltered else self.filtered
+    def is_filtered(self) -> bool:
+        """Whether the recording is quick enough for the filter."""
+        return self.filtered != self.unfiltered
 
     def as_json(self) -> dict[str, float]:
         """Shares, not per cent."""

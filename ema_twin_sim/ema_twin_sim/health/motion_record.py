@@ -17,7 +17,7 @@ POSITIONS = ("output_position", "motor_position")
 SPEED = "speed"
 """Integrated if there is no position."""
 EFFORTS = ("current", "motor_torque")
-_ROUNDING = 1e-9  # of its range: what arithmetic makes differ between two equal readings
+ROUNDING = 1e-9  # of its range: what counting a position from the encoder's zero makes differ
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ class MotionRecord:
         """
         places = POSITIONS if recording.of_points else (*POSITIONS, SPEED)
         place = next((name for name in places if recording.has(name)), None)
-        effort = next((name for name in EFFORTS if recording.has(name)), None)
+        effort = recording.drive
         if place is None or effort is None:
             lacks = "position and no speed" if place is None else "current and no motor_torque"
             lacked = lacked_columns(recording, places if place is None else EFFORTS)
@@ -84,9 +84,3 @@ class MotionRecord:
             place=place,
             unsigned=True if f"{effort}{KIND}" in recording.metadata else None,
         )
-
-
-def smallest_step(values: np.ndarray) -> float:
-    """The smallest difference between two readings (n,) of a sensor, in their unit; 0 if they never change."""
-    steps = np.diff(np.unique(values))
-    return float(min(steps[steps > _ROUNDING * steps.sum()], default=0.0))

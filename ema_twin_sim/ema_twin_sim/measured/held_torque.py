@@ -15,12 +15,10 @@ from ema_bench_replay.recording import Recording
 from ..criteria import LIKELY, MOSTLY, NEARLY_ALL
 from .way_by_speed import FEWEST
 
-DRIVES = ("current", "motor_torque")
-
 
 def telling_repeats(recording: Recording) -> Recording:
     """The recording, with a warning if its current or torque is new in only some of its samples."""
-    name = next((name for name in DRIVES if recording.has(name)), None)
+    name = recording.drive
     every = None if name is None or recording.of_points else samples_repeated(recording, name)
     if name is None or every is None:
         return recording

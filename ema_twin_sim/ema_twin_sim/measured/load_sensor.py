@@ -15,8 +15,7 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..criteria import CORRELATION, FEWEST_ROWS, MOSTLY, NEGLIGIBLE, PART, SIGNIFICANT, SMALL, TOO_MUCH
-from ..reading_noise import polled_noise, reading_noise
-from .row_noise import smallest_step
+from ..reading_noise import polled_noise, reading_noise, smallest_step
 from .smoothing import gaussian, smooth
 from .spoilt_samples import despiked
 
@@ -237,7 +236,7 @@ def _rows(recording: Recording) -> np.ndarray | None:
     """Rows (n, ``_MOTION`` + 2) of a recording, a kernel width apart; load and drive torque last. None without
     motion.
     """
-    drive = next((name for name in ("current", "motor_torque") if recording.has(name)), None)
+    drive = recording.drive
     move = next((name for name in ("speed", "motor_position") if recording.has(name)), None)
     if drive is None or move is None:
         return None
@@ -258,7 +257,7 @@ def _rows(recording: Recording) -> np.ndarray | None:
 
 def _rows_of_points(recording: Recording) -> np.ndarray:
     """Rows (n, ``_MOTION`` + 2) of operating points, which neither accelerate nor drift; none without drive torque."""
-    drive = next((name for name in ("current", "motor_torque") if recording.has(name)), None)
+    drive = recording.drive
     if drive is None or not recording.has("load_torque"):
         return np.zeros((0, _MOTION + 2))
     load, torque = recording.signals["load_torque"], recording.signals[drive]

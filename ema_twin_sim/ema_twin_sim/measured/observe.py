@@ -21,7 +21,7 @@ from ..listing import number_of
 from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, LOAD, MOTOR_ANGLE, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
-from ..reading_noise import FEWEST_READINGS, noise_at_points, reading_noise
+from ..reading_noise import FEWEST_READINGS, noise_at_points, reading_noise, smallest_step
 from ..simulation.angle_origins import origins_of
 from ..simulation.operating_points import doubled, motion_at_points
 from ..simulation.sensor_noise import counter_noise
@@ -29,7 +29,7 @@ from .adaptive_acceleration import adaptive_acceleration
 from .bandwidth import narrowest, narrowest_of_speed
 from .held_readings import noise_of_held
 from .observation import Observation
-from .row_noise import encoder_noise, rounding_noise, shaken, smallest_step, torque_noise
+from .row_noise import encoder_noise, rounding_noise, shaken, torque_noise
 from .sliding import moving_maximum
 from .smoothed_motion import COUNTER_WIDTH, LEAST_PERIODS, WIDTH, differentiator, even, smoothed_motion, usual_step
 from .smoothing import gaussian, smooth, smooth_at

@@ -18,10 +18,9 @@ from ..criteria import SMALL
 from ..listing import first_of
 from ..model import Model
 from ..model.matching import BY_SPEED, matched
-from ..reading_noise import reading_noise
+from ..reading_noise import reading_noise, smallest_step
 from ..simulation.sensor_noise import counter_noise
 from .held_torque import telling_repeats
-from .row_noise import smallest_step
 from .smoothed_motion import LEAST_PERIODS
 from .smoothing import gaussian, smooth
 from .spoilt_samples import without_spoilt_motion

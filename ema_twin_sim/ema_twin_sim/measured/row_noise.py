@@ -8,7 +8,7 @@ import numpy as np
 
 from ..criteria import HARD
 from ..model import Model
-from ..reading_noise import beside_fast_signal, reading_noise
+from ..reading_noise import beside_fast_signal, reading_noise, smallest_step
 from ..simulation.sensor_noise import counter_noise
 
 
@@ -38,12 +38,6 @@ def rounding_noise(raw: np.ndarray, model: Model, read: float = 0.0) -> float:
     """
     step = smallest_step(raw)
     return step / math.sqrt(12.0) if step > 2.0 * max(model.value("sensors.current_noise"), read) else 0.0
-
-
-def smallest_step(raw: np.ndarray) -> float:
-    """The smallest difference between two readings."""
-    levels = np.unique(raw[np.isfinite(raw)])
-    return float(np.diff(levels).min()) if len(levels) > 1 else 0.0
 
 
 def encoder_noise(model: Model) -> float:

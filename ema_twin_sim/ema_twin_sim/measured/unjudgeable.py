@@ -17,12 +17,11 @@ from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import SPEED
 from ..quantities import quantity
-from ..reading_noise import reading_noise
+from ..reading_noise import reading_noise, smallest_step
 from ..simulation.behind_motor import of_encoders_alone
 from ..simulation.long_gaps import refuse_long_gaps
 from ..simulation.operating_points import FEWEST as FEWEST_POINTS
 from .observation import Observation
-from .row_noise import smallest_step
 from .smoothed_motion import FEWEST, NEEDED, usual_step
 from .smoothing import smooth
 

@@ -24,10 +24,9 @@ from ..model.model import ConstantValue
 from ..model.model_file import ABSENT
 from ..model.own_units import ORDER_UNIT
 from ..quantities import quantity
-from ..reading_noise import noise_of_points, polled_noise, reading_noise
+from ..reading_noise import noise_of_points, polled_noise, reading_noise, smallest_step
 from ..simulation.compared_signals import COMPARED
 from ..simulation.sensor_noise import counter_noise
-from .row_noise import smallest_step
 from .speed_lag import speed_lag
 
 _SMOOTHING = "sensors.speed_smoothing"

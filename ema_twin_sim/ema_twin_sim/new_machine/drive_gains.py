@@ -32,8 +32,9 @@ class DriveGains:
 
 def drive_gains(recording: Recording, torque_constant: float) -> DriveGains | None:
     """The gains that a recording (SI, at the motor's shaft) shows; None if it does not show a PI controller."""
-    drive = "current" if recording.has("current") else "motor_torque"
-    if recording.of_points or not recording.has("speed_setpoint", "speed", drive) or len(recording) < _FEWEST:
+    drive = recording.drive
+    told = drive is not None and recording.has("speed_setpoint", "speed")
+    if drive is None or not told or recording.of_points or len(recording) < _FEWEST:
         return None
     torque = recording.signals[drive] * (torque_constant if drive == "current" else 1.0)
     error = recording.signals["speed_setpoint"] - recording.signals["speed"]

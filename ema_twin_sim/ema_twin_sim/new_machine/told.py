@@ -19,7 +19,6 @@ from .torque_constant import GIVEN, TORQUE_OVER_CURRENT
 from .travel_per_turn import READ_AS_FORCE
 
 _MOTOR_COUNTS, _OUTPUT_COUNTS = "sensors.motor_encoder_counts", "sensors.output_encoder_counts"
-_AT_OUTPUT = re.compile(r"^ *motor_position: \{.*, shaft: output[,}]", re.MULTILINE)
 _TOLD = {
     "machine.gear_ratio": "gear ratio",
     "machine.torque_constant": "torque constant",
@@ -37,12 +36,11 @@ _HOW = {
 }
 
 
-def shown(model: Model, doubts: Mapping[str, str], map_text: str = "") -> list[str]:
+def shown(model: Model, doubts: Mapping[str, str], *, at_output: bool = False) -> list[str]:
     """What the user gave or the columns say, each as ``name value unit``; not what the drafts mark (``doubts``).
 
-    Where the map reads the position as the output's angle, its encoder is the output's.
+    ``at_output``: whether the map reads the motor's position as the output's angle: then its encoder is the output's.
     """
-    at_output = _AT_OUTPUT.search(map_text) is not None
     return [text for path, text in _found(model, doubts, at_output) if not _is_estimate(path, model)]
 
 

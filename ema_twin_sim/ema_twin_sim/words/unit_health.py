@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 TEST_HEAD = ("test", "deviating", "distance / limit", "fault family", "what changed")
 """Headings of a unit's tests, compared with its healthy ones."""
-_MONTH = 30.0  # days
+MONTH = 30.0  # days
 _SHOWN = 3
 """Number of fault families that are named."""
 
@@ -74,7 +74,7 @@ def course_words(look: Outlook) -> str:
     )
     if trend is None:
         return f"{told}, without a trend" if of.dated else told
-    slope = estimate(abs(trend.slope) * _MONTH, trend.slope_error * _MONTH, "1")
+    slope = estimate(abs(trend.slope) * MONTH, trend.slope_error * MONTH, "1")
     return f"{told}, {'rising' if trend.slope > 0.0 else 'falling'} by {slope} a month"
 
 
