@@ -47,7 +47,7 @@ def history_chart(look: Outlook) -> Markup:
         parts.append(tag("line", x1=at, x2=at, y1=y(float(below)), y2=y(float(above)), stroke="var(--after)"))
         parts.append(tag("circle", cx=at, cy=y(float(value)), r="2.5", fill="var(--after)"))
     for value in (most - room, least + room):
-        shown = f"{value / scale:.3g}"
+        shown = f"{float(f'{value / scale:.3g}'):g}"  # 8840, not 8.84e+03, which has no room
         parts.append(tag("text", shown, x=f"{_LEFT - 6.0}", y=y(value), text_anchor="end", dominant_baseline="middle"))
     parts.append(tag("text", unit, x="2", y=f"{_HEIGHT - 6.0}"))
     end = f"{last:.0f} {'days' if of.dated else 'results'}"
