@@ -36,10 +36,10 @@ def load_bootstrap(checkout):
     spec.loader.exec_module(bootstrap)
     bootstrap.steps = []
 
-    def note(title, log, *command):
+    def note(title, log, *command, variables=None):
         step = log.removesuffix(".log")
         built = [name for name, folder in bootstrap.PACKAGES.items() if folder in command]
-        if step != "compileall":  # follows every build
+        if step not in ("compileall", "uv"):  # one follows every build, the other installs what installs
             bootstrap.steps.append((step, *built) if built else step)
         (checkout / ".venv/lib/python3.11/site-packages").mkdir(parents=True, exist_ok=True)
         (checkout / ".venv/bin").mkdir(exist_ok=True)
@@ -65,7 +65,7 @@ ALL = ("colcon", "ema_twin_msgs", "ema_twin_config", "ema_bench_replay", "ema_tw
 def test_first_setup_does_everything_and_a_second_nothing(checkout):
     bootstrap = load_bootstrap(checkout)
     bootstrap.setup()
-    assert bootstrap.steps == ["venv", "pip", "rerun", ALL]
+    assert bootstrap.steps == ["venv", "libraries", "rerun", ALL]
     bootstrap.steps.clear()
     bootstrap.setup()
     assert bootstrap.steps == []
@@ -75,9 +75,9 @@ def test_a_lock_edited_while_it_is_installed_does_not_count_as_installed(checkou
     bootstrap = load_bootstrap(checkout)
     note = bootstrap.run
 
-    def edit(title, log, *command):
-        note(title, log, *command)
-        if log == "pip.log":
+    def edit(title, log, *command, **settings):
+        note(title, log, *command, **settings)
+        if log == "libraries.log":
             bootstrap.LOCK.write_text(bootstrap.LOCK.read_text() + "# edited\n")
 
     bootstrap.run = edit
@@ -86,7 +86,7 @@ def test_a_lock_edited_while_it_is_installed_does_not_count_as_installed(checkou
     bootstrap.run = note
     bootstrap.steps.clear()
     bootstrap.setup()
-    assert bootstrap.steps == ["venv", "pip", "rerun", ALL]
+    assert bootstrap.steps == ["venv", "libraries", "rerun", ALL]
 
 
 def test_a_message_edited_while_it_is_built_is_built_again(checkout):
@@ -94,8 +94,8 @@ def test_a_message_edited_while_it_is_built_is_built_again(checkout):
     note = bootstrap.run
     message = checkout / "ema_twin_msgs/msg/Signals.msg"
 
-    def edit(title, log, *command):
-        note(title, log, *command)
+    def edit(title, log, *command, **settings):
+        note(title, log, *command, **settings)
         if log == "colcon.log":
             message.write_text(message.read_text() + "# edited\n")
 
@@ -116,7 +116,7 @@ def test_a_message_edited_while_it_is_built_is_built_again(checkout):
         ("ema_twin_msgs/msg/Signals.msg", [("colcon", "ema_twin_msgs")]),
         ("config/models/new_machine.yaml", [("colcon", "ema_twin_config")]),
         ("ema_twin_sim/setup.py", [("colcon", "ema_twin_sim")]),
-        ("requirements.lock", ["venv", "pip", "rerun", ALL]),
+        ("requirements.lock", ["venv", "libraries", "rerun", ALL]),
     ],
 )
 def test_only_what_changed_is_done(done, changed, steps):
@@ -135,13 +135,15 @@ def test_an_edited_model_needs_no_setup(done):
     assert done.steps == []
 
 
-@pytest.mark.parametrize(("interrupted", "remaining"), [("pip", ["venv", "pip", "rerun", ALL]), ("colcon", [ALL])])
+@pytest.mark.parametrize(
+    ("interrupted", "remaining"), [("libraries", ["venv", "libraries", "rerun", ALL]), ("colcon", [ALL])]
+)
 def test_interrupted_setup_goes_on_at_the_step_that_did_not_end(checkout, interrupted, remaining):
     bootstrap = load_bootstrap(checkout)
     note = bootstrap.run
 
-    def interrupt(title, log, *command):
-        note(title, log, *command)
+    def interrupt(title, log, *command, **settings):
+        note(title, log, *command, **settings)
         if log == f"{interrupted}.log":
             raise KeyboardInterrupt
 
@@ -160,7 +162,7 @@ def test_interrupted_rebuild_is_not_taken_for_done_when_the_change_is_undone(don
     message.write_text(original + "float64 another  # [1]\n")
     note = done.run
 
-    def interrupt(title, log, *command):
+    def interrupt(title, log, *command, **settings):
         raise KeyboardInterrupt
 
     done.run = interrupt
@@ -224,6 +226,39 @@ def test_failed_step_names_its_log(checkout, capsys):
     assert "why it failed" in capsys.readouterr().err
     assert "why it failed" in (checkout / ".venv/log/trying.log").read_text()
     assert bootstrap.steps == []
+
+
+def test_pip_installs_the_libraries_where_uv_fails(checkout, capsys):
+    bootstrap = load_bootstrap(checkout)
+    note = bootstrap.run
+
+    def fail_uv(title, log, *command, **settings):
+        if "bin/uv" in str(command[0]):
+            raise bootstrap.SetupError("installing ROS 2 and the libraries: failed with status 2")
+        note(title, log, *command, **settings)
+
+    bootstrap.run = fail_uv
+    bootstrap.setup()
+    assert bootstrap.steps == ["venv", "pip", "rerun", ALL]
+    assert "failed with status 2; pip is tried in its place" in capsys.readouterr().err
+
+
+def test_uv_installs_from_where_pip_would(done, checkout, monkeypatch):
+    for name in [name for name in os.environ if name.startswith("PIP_")]:
+        monkeypatch.delenv(name)
+    configuration = checkout / "pip.conf"
+    configuration.write_text(
+        "[global]\nindex-url = https://packages.example.org/simple\nfind-links =\n  /opt/wheels\n  /srv/wheels\n"
+        "[install]\nindex-url = https://mirror.example.org/simple\nretries = 3\n"
+    )
+    monkeypatch.setenv("PIP_CONFIG_FILE", str(configuration))
+    monkeypatch.setenv("PIP_DEFAULT_TIMEOUT", "180")
+    settings = done.uv_settings()
+    assert settings["UV_DEFAULT_INDEX"] == "https://mirror.example.org/simple"
+    assert settings["UV_FIND_LINKS"] == "/opt/wheels,/srv/wheels"
+    assert settings["UV_HTTP_TIMEOUT"] == "180"
+    monkeypatch.setenv("PIP_INDEX_URL", "https://own.example.org/simple")
+    assert done.uv_settings()["UV_DEFAULT_INDEX"] == "https://own.example.org/simple"
 
 
 def test_who_asks_for_the_setup_alone_is_told_the_next_step(checkout, done, monkeypatch, capsys):
