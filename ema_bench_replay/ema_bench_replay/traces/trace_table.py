@@ -23,6 +23,7 @@ from ema_bench_replay.traces.line_breaks import line_end
 from ema_bench_replay.traces.missing_numbers import holds_nothing
 from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
 from ema_bench_replay.traces.paired_columns import with_common_time
+from ema_bench_replay.traces.quoted_cells import with_marks_hidden, with_marks_shown
 from ema_bench_replay.traces.row_ends import rows_without_ends, without_row_ends
 from ema_bench_replay.traces.text_blocks import NotText, text_blocks
 from ema_bench_replay.traces.time_of_day import is_time_of_day, seconds
@@ -113,6 +114,7 @@ def read_table(
             newline = line_end(file.read(_BYTES_FOR_NEWLINE).replace(b"\0", b""))
             file.seek(0)
             blocks = text_blocks(file)
+            blocks = ((with_marks_hidden(block), last) for block, last in blocks)
             first, is_last = next(blocks)
             refuse_keyed_trace(path, first)
             unended = first if delimiter == ";" else without_row_ends(first)
@@ -176,7 +178,7 @@ class _RowReader:
         self.empty: list[int] = []  # rows of the file, counted from 0, that hold nothing and are left out
         self.first: list[int] = []  # the first rows, counted likewise, that are left out since they lack numbers
         self.written_delimiter = delimiter or next((mark for mark in (";", "\t", ",") if mark in header), ";")
-        cells = [cell.strip().strip('"').strip() for cell in header.split(self.written_delimiter)]
+        cells = [with_marks_shown(cell.strip().strip('"').strip()) for cell in header.split(self.written_delimiter)]
         self.trailing = len(cells) > 1 and not cells[-1]
         self.header = cells[:-1] if self.trailing else cells
         self.needed = sorted(needed(self.header))
