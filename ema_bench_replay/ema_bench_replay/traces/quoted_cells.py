@@ -1,4 +1,4 @@
-"""Words in quotation marks may hold the mark that separates cells, as in "Speed, motor [rpm]"; it separates nothing there.
+"""Words in quotation marks may hold the mark that separates cells ("Speed, motor [rpm]"); it separates nothing there.
 
 A number may be quoted too ("1,5"); its marks belong to the number format and are left to it.
 """
