@@ -77,8 +77,16 @@ class Search:
 
     @property
     def taken(self) -> tuple[Round, ...]:
-        """The rounds in which an effect was added or removed."""
-        return tuple(t for t in self.rounds if t.after.hypothesis.added.keys() != t.before.hypothesis.added.keys())
+        """The rounds in which an effect was added or removed, but not one that was removed and at once added again."""
+        taken: list[Round] = []
+        for turn in self.rounds:
+            before, after = turn.before.hypothesis.added.keys(), turn.after.hypothesis.added.keys()
+            if len(taken) > 1 and len(after) > len(before) and taken[-1].before.hypothesis.added.keys() == after:
+                taken.pop()
+                taken[-1] = replace(taken[-1], after=turn.after)
+            elif after != before:
+                taken.append(turn)
+        return tuple(taken)
 
     @property
     def stopped(self) -> Round | None:

@@ -18,6 +18,7 @@ from ...identification.screening import screen_generic_bases
 from ..criteria.episodes import episodes
 from ..criteria.explained import apart
 from ..criteria.likeness import likenesses
+from ..criteria.opposed_loads import opposed
 from ..criteria.own_shape import (
     by_own_shape,
     explains_the_torque,
@@ -57,7 +58,7 @@ def beside_the_unknown(
     start = found.rounds[0].before
     if found.fit.hypothesis.base.is_open:  # nothing contradicts open constants
         found = less(found, [n for n in found.fit.hypothesis.added if is_bend(found.problem, found.fit, n)], LIKENESS)
-        while name := _of_the_same_cause(found):
+        while name := opposed(found.fit) or _of_the_same_cause(found):
             found = less(found, [name], LIKENESS)
         problem = beside_generic_bases(found.problem, found.fit)
         between = ("encoders",) if apart(problem, found.fit, start) else ()
