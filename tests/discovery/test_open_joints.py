@@ -11,7 +11,7 @@ from ema_twin_sim.discovery.criteria.reversals import shows_where_slowest
 from ema_twin_sim.discovery.criteria.worth import has_effect_size
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.experiment.doubts import moves_one_way, reverses
-from ema_twin_sim.discovery.search.found_orders import resolved
+from ema_twin_sim.discovery.search.found_orders import of_the_gears, resolved
 from ema_twin_sim.identification.candidates import Candidate, candidates
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
@@ -60,6 +60,17 @@ def test_an_order_that_was_not_recorded_twice_is_not_looked_for(order, offered, 
     option = Candidate("cogging", {"order": order})
     problem, h = in_own_units(moved(turns=0.5), joint)
     assert resolved(problem, [option], h.base) == ([option] if offered else [])
+
+
+@pytest.mark.parametrize(("order", "turns", "of_gears"), [(14.0, 0.5, []), (14.4, 1.5, ["14.4"])])
+def test_over_half_a_turn_a_whole_order_is_none_of_a_gear(order, turns, of_gears, joint):
+    """Another wave moves the strongest order by many times what noise does, to 13.95 in place of 14."""
+
+    def cogs(time, angle, speed):
+        return 1.2 * np.cos(order * angle + 0.3) + 0.9 * np.sin(8.0 * angle + 1.0)
+
+    problem, h = in_own_units(moved(cogs, turns=turns, seconds=200.0), joint)
+    assert [f"{float(found):.1f}" for found in of_the_gears(problem, fit(problem, h))] == of_gears
 
 
 def test_many_cycles_within_a_quarter_of_a_turn_are_a_wave(joint):

@@ -1,4 +1,4 @@
-"""Gravity and a constant load that cancel each other are a bend over the place; beside an unknown rest, no two loads."""
+"""Gravity and a constant load that cancel each other are a bend over the place: no two loads beside an unknown rest."""
 
 import numpy as np
 import pytest

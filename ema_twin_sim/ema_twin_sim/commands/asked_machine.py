@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -15,9 +16,11 @@ if TYPE_CHECKING:
     from ..new_machine.columns import Guesses
     from ..new_machine.given import Given
 
-LEAST_RATIO, MOST_RATIO = 1e-3, 1e5
+GEAR_RATIO = options.number(1e-3, 1e5, "turns of the motor per turn of the output")
+TORQUE_CONSTANT = options.number(1e-6, options.LARGEST, "N m/A (of a linear machine N/A)")
 SHAFTS = "motor", "output"
 _TRAVEL = "Way of the slide per turn of its motor, as in '5 mm' (leave empty for a motor that does not turn)"
+_RATIO = "Turns of the motor per turn of the output"
 _CONSTANT = "Torque per ampere [N m/A], or force [N/A] (0: not known)"
 _GIVE_A_TRACE = "give a trace, whose columns answer it: ema-twin init TRACE.csv -o NAME"
 
@@ -35,21 +38,17 @@ def asked(given: Given) -> tuple[Guesses, Given]:
     """Ask for the columns and the machine's numbers; return both. Each answer is checked as it is given."""
     from ..new_machine.columns import named_columns
 
-    answers = {signal: str(_ask(text, "")).strip() for signal, text in _QUESTIONS.items()}
+    answers = {signal: _ask(text, "") for signal, text in _QUESTIONS.items()}
     named = {signal: column for signal, column in answers.items() if column}
     if not named.keys() & {"current", "motor_torque"} or not named.keys() & {"motor_position", "speed"}:
         raise InputError("init: a model needs a current or a torque, and a motor's position or speed; answer these")
     guesses = named_columns(named)
     if guesses.motion == "linear":
         return guesses, _of_slide(given, has_current="current" in named)
-    ratio = given.gear_ratio or float(_ask("Turns of the motor per turn of the output", 1.0, "give --gear-ratio"))
-    if not ratio >= LEAST_RATIO:
-        raise InputError(f"init: a gear ratio of {ratio:g} is out of range; give {LEAST_RATIO:g} or more")
+    ratio = given.gear_ratio or _parsed(GEAR_RATIO, _ask(_RATIO, "1", "give --gear-ratio"))
     shaft = given.shaft
     if shaft is None and ratio != 1.0 and "motor_position" in named:
-        shaft = (
-            str(_ask("Does the motor's position count turns of the motor or of the output", SHAFTS[0])).strip().lower()
-        )
+        shaft = _ask("Does the motor's position count turns of the motor or of the output", SHAFTS[0]).lower()
         if shaft not in SHAFTS:
             raise InputError(f"init: '{shaft}' is not a shaft; answer {' or '.join(SHAFTS)}")
     given = _with_constant(given) if "current" in named else given
@@ -60,11 +59,8 @@ def _of_slide(given: Given, *, has_current: bool) -> Given:
     """What is known of a slide: a way per turn and a torque constant if it ``has_current``, which they make a force."""
     if not has_current:
         return given
-    if given.travel_per_turn is None and (said := str(_ask(_TRAVEL, "", "give --travel-per-turn")).strip()):
-        try:
-            given = replace(given, travel_per_turn=options.length(said))
-        except typer.BadParameter as error:
-            raise InputError(f"init: {error.message}") from None
+    if given.travel_per_turn is None and (said := _ask(_TRAVEL, "", "give --travel-per-turn")):
+        given = replace(given, travel_per_turn=_parsed(options.length, said))
     return _with_constant(given)
 
 
@@ -72,13 +68,22 @@ def _with_constant(given: Given) -> Given:
     """The same with the torque constant that is answered, if none was given."""
     if given.torque_constant is not None:
         return given
-    return replace(given, torque_constant=float(_ask(_CONSTANT, 0.0, "give --torque-constant")) or None)
+    said = _ask(_CONSTANT, "0", "give --torque-constant")
+    return given if said == "0" else replace(given, torque_constant=_parsed(TORQUE_CONSTANT, said))
 
 
-def _ask(question: str, usual: str | float, remedy: str = _GIVE_A_TRACE) -> str | float:
+def _parsed(parser: Callable[[str], float], answer: str) -> float:
+    """The number of an answer, within the limits of the option that gives it otherwise."""
+    try:
+        return parser(answer)
+    except typer.BadParameter as error:
+        raise InputError(f"init: {error.message}") from None
+
+
+def _ask(question: str, usual: str, remedy: str = _GIVE_A_TRACE) -> str:
     """The answer to a question; if the input ends there, InputError with the ``remedy``, which answers it otherwise."""
     try:
-        answer: str | float = typer.prompt(question, default=usual, show_default=usual != "", type=type(usual))
+        answer = str(typer.prompt(question, default=usual, show_default=usual != "")).strip()
     except typer.Abort as abort:
         if not isinstance(abort.__context__, EOFError):
             raise

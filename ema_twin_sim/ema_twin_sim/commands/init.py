@@ -13,7 +13,7 @@ from ema_bench_replay.outputs import write_text
 
 from ..listing import by_recording
 from . import options
-from .asked_machine import LEAST_RATIO, MOST_RATIO, asked
+from .asked_machine import GEAR_RATIO, TORQUE_CONSTANT, asked
 from .output import say, warn
 from .shown_draft import (
     ask_for_motion,
@@ -63,7 +63,7 @@ def run(
         float | None,
         typer.Option(
             metavar="RATIO",
-            parser=options.number(LEAST_RATIO, MOST_RATIO, "turns of the motor per turn of the output"),
+            parser=GEAR_RATIO,
             help="Turns of the motor per turn of the output.",
         ),
     ] = None,
@@ -71,7 +71,7 @@ def run(
         float | None,
         typer.Option(
             metavar="N_M_PER_A",
-            parser=options.number(1e-6, options.LARGEST, "N m/A (of a linear machine N/A)"),
+            parser=TORQUE_CONSTANT,
             help="Torque per ampere, from the motor's data sheet; of a linear motor its force in N.",
         ),
     ] = None,

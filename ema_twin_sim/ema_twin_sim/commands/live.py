@@ -6,6 +6,7 @@ import os
 import threading
 from contextlib import ExitStack
 from pathlib import Path
+from shlex import quote
 from typing import Annotated
 
 import typer
@@ -187,7 +188,8 @@ def run(
         write_json(json, as_json(result))
         if output is not None and result.twin is not None:
             save_model(result.twin, output, force=force)
-            say(f"{output} is the twin's final model; ema-twin diff {model} {output} shows the changes.")
+            shown = f"ema-twin diff {quote(model)} {quote(str(output))}"
+            say(f"{output} is the twin's final model; {shown} shows the changes.")
         for warning in result.warnings:
             warn(warning)
     if rrd is not None:

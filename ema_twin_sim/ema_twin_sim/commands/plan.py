@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -241,7 +242,7 @@ def _show_how(proposal: Proposal, name: str, model: Model, output: Path | None, 
     from ..simulation.simulate import has_speed_controller
 
     given = proposal.command if output is None else str(output)
-    own = "".join(f" --with {file}" for file in with_files)
+    own = "".join(f" --with {quote(str(file))}" for file in with_files)
     ratio = model.value("machine.gear_ratio")
     at_motor = "" if model.is_direct else f" (of the motor: {ratio:g} times that)"
     unfolded(
@@ -255,4 +256,5 @@ def _show_how(proposal: Proposal, name: str, model: Model, output: Path | None, 
         )
         return
     unfolded("To simulate it with this model first:")
-    unfolded(f"  ema-twin simulate --model {name} --command {given} --seconds {proposal.seconds:g}{own} -o next.mcap")
+    run = f"--model {quote(name)} --command {quote(given)} --seconds {proposal.seconds:g}{own}"
+    unfolded(f"  ema-twin simulate {run} -o next.mcap")

@@ -120,15 +120,16 @@ def step_evidence(found: Discovery) -> tuple[StepEvidence, ...]:
 
 def compared_fits(found: Discovery) -> list[Compared]:
     """The fits that each step of a discovery compares, plus those of the step refused at the end."""
-    steps = []
+    steps: dict[tuple[str, ...], Compared] = {}
     for turn in found.search.changes:
         names = new_names(turn.before, turn.after)
         if names:  # otherwise the added effect was pruned at once
-            steps.append(_compared(turn, names, turn.after, taken=True))
+            steps[names] = _compared(turn, names, turn.after, taken=True)  # added again, it is compared as it stays
     last = found.search.stopped
+    refused = []
     if last is not None and last.tried:
-        steps.append(_compared(last, last.tried[0].names, last.tried[0].fit, taken=False))
-    return steps
+        refused.append(_compared(last, last.tried[0].names, last.tried[0].fit, taken=False))
+    return [*steps.values(), *refused]
 
 
 def _compared(turn: Round, names: Sequence[str], after: Fit, *, taken: bool) -> Compared:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 import numpy as np
 
 from ...comparison.orders import Periodicity, find_order
-from ...criteria import CONTRADICTED, CORRELATION, NEARLY_ALL, NEGLIGIBLE
+from ...criteria import CONTRADICTED, CORRELATION, NEARLY_ALL, NEGLIGIBLE, SMALL
 from ...effects import Trait, catalogue, the_effect
 from ...identification.candidates import Candidate, addable
 from ...identification.equation import EquationErrorProblem
@@ -50,7 +50,7 @@ def order_candidates(
         strongest = _strongest(problem, f)
         wave = the_effect(Trait.MOTOR_WAVE)
         if strongest is not None and wave not in without and not _beside_another(problem, f, strongest.order):
-            yield Candidate(wave, {"order": _as_known(strongest)})
+            yield Candidate(wave, {"order": _as_known(problem, strongest)})
         return
     found: list[tuple[str, Callable[[], Sequence[str]]]] = [
         (the_effect(Trait.MOTOR_WAVE), lambda: standing_out(problem, f)),
@@ -97,7 +97,7 @@ def of_the_gears(problem: EquationErrorProblem, f: Fit) -> list[str]:
     if strongest is None or _is_whole(strongest.order):
         return []
     away = abs(strongest.order - round(strongest.order))
-    return [] if away < CONTRADICTED * math.sqrt(CORRELATION) * strongest.order_std else [_as_known(strongest)]
+    return [] if away < CONTRADICTED * _order_error(problem, strongest) else [_as_known(problem, strongest)]
 
 
 def _strongest(problem: EquationErrorProblem, f: Fit) -> Periodicity | None:
@@ -113,9 +113,17 @@ def _strongest(problem: EquationErrorProblem, f: Fit) -> Periodicity | None:
     return strongest
 
 
-def _as_known(found: Periodicity) -> str:
+def _order_error(problem: EquationErrorProblem, found: Periodicity) -> float:
+    """Standard error of a resolved order; no less than a small share of the cycle that its turns can tell apart.
+
+    Over less than a turn, whatever else the residual holds moves the order by more than noise does.
+    """
+    return max(math.sqrt(CORRELATION) * found.order_std, SMALL / max(_turns(problem), NEGLIGIBLE))
+
+
+def _as_known(problem: EquationErrorProblem, found: Periodicity) -> str:
     """A resolved order as its standard error lets it be written."""
-    return written_order(found.order, math.sqrt(CORRELATION) * found.order_std)
+    return written_order(found.order, _order_error(problem, found))
 
 
 def written_order(order: float, std: float) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
@@ -75,7 +76,7 @@ class Search:
         """The rounds in which something was added or removed, generic bases included."""
         return tuple(turn for turn in self.rounds if turn.after is not turn.before)
 
-    @property
+    @cached_property
     def taken(self) -> tuple[Round, ...]:
         """The rounds in which an effect was added or removed, but not one that was removed and at once added again."""
         taken: list[Round] = []
