@@ -62,7 +62,7 @@ def test_an_order_that_was_not_recorded_twice_is_not_looked_for(order, offered, 
     assert resolved(problem, [option], h.base) == ([option] if offered else [])
 
 
-@pytest.mark.parametrize(("order", "turns", "of_gears"), [(14.0, 0.5, []), (14.4, 1.5, ["14.4"])])
+@pytest.mark.parametrize(("order", "turns", "of_gears"), [(14.0, 0.5, []), (14.4, 1.0, ["14.4"])])
 def test_over_half_a_turn_a_whole_order_is_none_of_a_gear(order, turns, of_gears, joint):
     """Another wave moves the strongest order by many times what noise does, to 13.95 in place of 14."""
 
