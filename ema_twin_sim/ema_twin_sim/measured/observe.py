@@ -21,7 +21,7 @@ from ..listing import number_of
 from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, LOAD, MOTOR_ANGLE, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
-from ..reading_noise import FEWEST_READINGS, noise_at_points, reading_noise, smallest_step
+from ..reading_noise import FEWEST_READINGS, noise_at_points, reading_noise, reading_step
 from ..simulation.angle_origins import origins_of
 from ..simulation.operating_points import doubled, motion_at_points
 from ..simulation.sensor_noise import counter_noise
@@ -148,7 +148,7 @@ def observe(
         inertia=inertia,
         torque_noise=noise[rows],
         torque_reading=min(white, constant * model.value("sensors.current_noise") * float(np.linalg.norm(kernel))),
-        torque_step=constant * smallest_step(raw),
+        torque_step=constant * reading_step(raw),
         coarse=rounding_noise(raw, model, reading_noise(signals["current"])) > 0.0,
         hit=hit,
         after_impact=after_impact,
