@@ -57,10 +57,11 @@ def reading_step(values: np.ndarray) -> float:
 
 
 def is_staircase(values: np.ndarray) -> bool:
-    """Whether a signal (n,) goes from one exact level to another, as a command of steps does; False if it never changes.
+    """Whether a signal (n,) goes from one exact level to another, as a command of steps does.
 
     It holds each level for many samples, where noise lets the readings of a sensor dither between two values. Readings
     of a sensor that is logged far more often than it is read are held too: they are many, and smooth or all different.
+    What never changes has no steps.
     """
     places = np.flatnonzero(np.diff(values))
     if len(places) == 0 or len(values) < HELD * (len(places) + 1) or np.diff(places).min(initial=HELD) < HELD:
