@@ -34,7 +34,7 @@ from .sliding import moving_maximum
 from .smoothed_motion import COUNTER_WIDTH, LEAST_PERIODS, WIDTH, differentiator, even, smoothed_motion, usual_step
 from .smoothing import gaussian, smooth, smooth_at
 from .spoilt_samples import counter_jumps
-from .unjudgeable import refuse_few_points, refuse_incomplete, refuse_unchanging, too_little_motion
+from .unjudgeable import refuse_few_points, refuse_incomplete, refuse_unchanging, refuse_undriven, too_little_motion
 
 START = 0.03  # own s at each end that are not judged
 JITTER = 2e-4  # own s of possible offset between the two counters' samples, or of an impact
@@ -262,6 +262,7 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
     if any(recording.of_points for recording in recordings):
         refuse_few_points(found)
         return found
+    refuse_undriven(found, recordings, model)
     if not found[0].geared and _too_noisy(found):
         found = _quieter(recordings, model, widest) or found
     judged = _judged_rows(found, recordings)
