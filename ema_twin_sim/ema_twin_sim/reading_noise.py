@@ -14,6 +14,8 @@ from .criteria import CLEARLY_MORE
 DEPENDED_ON = ("motor_position", "speed", "load_torque")
 """Signals that a drive's torque depends on at an operating point."""
 FEWEST_READINGS = 4  # that have a third difference
+HELD = 20  # samples for which a command holds each level at least: a noisy reading changes sooner
+FEW = 30  # levels whose differences tell no noise
 SEGMENT = 128  # samples whose spectrum is taken at once
 FEWEST_SEGMENTS = 8  # with half of each shared with the next: fewer have no median
 STRETCH = 0.25  # of the frequencies, over which a spectrum is averaged
@@ -43,9 +45,35 @@ def smallest_step(values: np.ndarray, rounding: float = 0.0) -> float:
 def polled_noise(values: np.ndarray) -> float:
     """The same of a sensor that may be polled faster than it updates, so that it repeats each reading.
 
-    If most third differences are therefore zero, only readings that differ from the one before are used.
+    If most third differences are therefore zero, only readings that differ from the one before are used. The steps of
+    a staircase are no readings.
     """
-    return reading_noise(values) or reading_noise(values[1:][np.diff(values) != 0.0])
+    return reading_noise(values) or (0.0 if is_staircase(values) else reading_noise(_differing(values)))
+
+
+def reading_step(values: np.ndarray) -> float:
+    """The smallest step of a sensor's readings (n,); 0 of a staircase, whose steps are no resolution."""
+    return 0.0 if is_staircase(values) else smallest_step(values)
+
+
+def is_staircase(values: np.ndarray) -> bool:
+    """Whether a signal (n,) goes from one exact level to another, as a command of steps does.
+
+    It holds each level for many samples, where noise lets the readings of a sensor dither between two values. Readings
+    of a sensor that is logged far more often than it is read are held too: they are many, and smooth or all different.
+    What never changes has no steps.
+    """
+    places = np.flatnonzero(np.diff(values))
+    if len(places) == 0 or len(values) < HELD * (len(places) + 1) or np.diff(places).min(initial=HELD) < HELD:
+        return False
+    levels = _differing(values)
+    come_back = 2 * len(np.unique(levels)) <= len(levels)
+    return len(levels) <= FEW or (come_back and drowns(reading_noise(levels), levels))
+
+
+def _differing(values: np.ndarray) -> np.ndarray:
+    """Those of the values (n,) that differ from the one before."""
+    return values[1:][np.diff(values) != 0.0]
 
 
 def beside_fast_signal(noise: float, values: np.ndarray) -> float:

@@ -1,5 +1,6 @@
 """A shaft that friction holds, and that only gives way: refused with what is true, and with what would help."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -142,3 +143,53 @@ def test_the_operating_points_of_all_recordings_count_together(motor):
         observe_all(few, motor)
     with pytest.raises(InputError, match="d: has 3 operating points; at least 4 are needed to see their noise"):
         observe_all([*tables, points("d", 3, 4)], motor)
+
+
+def stepped(torque, speed, seconds=8.0):
+    """A motor that is given one ``torque`` [N m] all along, at a ``speed`` (a function of time)."""
+    time = np.arange(0.0, seconds, 2e-3)
+    turned = np.array([speed(t) for t in time])
+    noise = 1e-3 * np.random.default_rng(round(1e3 * torque)).standard_normal(len(time))
+    signals = {
+        "motor_torque": np.full(len(time), torque),
+        "speed": turned + noise,
+        "motor_position": np.cumsum(turned) * 2e-3,
+    }
+    return Recording(f"step {torque:g}", np.rint(time * 1e9).astype(np.int64), signals)
+
+
+def test_a_step_test_of_several_levels_is_judged(motor):
+    """Each was refused, as if its column were the wrong one: together they are the curve of the friction."""
+    steps = [stepped(torque, lambda t, torque=torque: 500.0 * torque) for torque in (0.02, 0.03, 0.04)]
+    assert all(len(o.rows) > 100 for o in observe_all(*to_own_units(steps, motor)))
+
+
+def test_a_step_from_rest_is_judged_alone_if_the_inertia_is_known(motor):
+    """Else dry friction alone explains one level of torque, and the inertia came out as none."""
+    start = [stepped(0.02, lambda t: 10.0 * (1.0 - np.exp(-t)))]
+
+    def known(tolerance):
+        inertias = [f"machine.{part}_inertia" for part in ("motor", "gearbox", "output")]
+        sure = {name: replace(motor.constants[name], tolerance=tolerance) for name in inertias}
+        return replace(motor, constants={**motor.constants, **sure})
+
+    assert len(observe_all(*to_own_units(start, known(0.1)))[0].rows) > 100
+    assert "or give the model its inertia; or is that the right column" in refused(start, known(math.inf))
+
+
+def test_one_level_at_one_speed_is_refused_in_its_own_unit(motor):
+    steady = [replace(stepped(0.02, lambda t: 10.0), name=name) for name in ("one", "two")]
+    assert refused(steady, motor) == (
+        "one and 1 more: motor_torque is 20.0 mN m all along, which dry friction alone explains, whatever the inertia; "
+        "record several levels, or a motion that changes; or is that the right column of the trace? Name it in the "
+        "import map"
+    )
+
+
+def test_a_constant_torque_does_not_turn_a_motion_to_and_fro(motor):
+    steps = [stepped(0.02, lambda t: 10.0 * np.sin(2.0 * t), seconds=7.5), stepped(0.03, lambda t: 15.0)]
+    assert "step 0.02: its motor_torque is 20.0 mN m all along, while the motion reverses 4 times" in refused(
+        steps, motor
+    )
+    once = [stepped(0.02, lambda t: 5.0 * (t - 4.0)), steps[1]]
+    assert len(observe_all(*to_own_units(once, motor))) == 2

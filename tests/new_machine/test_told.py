@@ -119,3 +119,21 @@ def test_a_noise_that_may_be_the_signal_is_not_said_to_be_known(tmp_path):
     assert [one for one in guessed if one.endswith("(as large as the whole signal, which it may be)")]
     known, _ = drafted(np.cos(3.0 * np.array(SECONDS)) + 0.01 * noise)
     assert [one for one in known if "noise of the current" in one]
+
+
+def test_the_noise_is_that_of_all_recordings_and_steps_of_a_command_are_none(drafted):
+    """It was the first file's alone: 1.3 A of an exact staircase, in whichever order the next was given."""
+    time = np.array(SECONDS)
+    noise = 0.01 * np.random.default_rng(4).standard_normal((2, len(time)))
+
+    def run(current, reach):
+        speed = reach * np.sin(3.0 * time)
+        return {"time [s]": time, "current [A]": current, "motor speed [rad/s]": speed + noise[1]}
+
+    steps = run(np.repeat([0.5, 1.0, -1.5, 2.0], 500), reach=9.0)
+    alone = drafted(steps)
+    assert "noise of the current none (the signal shows no noise)" in alone.said
+    assert "whole signal" not in alone.told
+    read = run(np.cos(3.0 * time) + noise[0], reach=5.0)
+    assert drafted(steps, read).line("current_noise") == drafted(read, steps).line("current_noise")
+    assert "noise of the current 10" in drafted(steps, read).said

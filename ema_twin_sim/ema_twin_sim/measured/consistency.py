@@ -21,11 +21,14 @@ from ..model.matching import BY_TORQUE
 from ..model.model_file import TORQUE_CONSTANT
 from ..model.own_units import shown
 from ..quantities import quantity
+from .drive_in_words import drive_in_words
 from .drive_regression import sign_of_drive, torque_over_inertia
 from .idle_drive import idle_current
 from .induced_voltage import BUS, impossible_voltage
 from .load_sensor import falls_with_load
 from .signal_factors import DEGREES, fits_elsewhere, usual_mistake, wrong_factors
+from .unjudgeable import RIGHT_COLUMN
+from .unknown_inertia import of_unknown_inertia
 from .way_by_speed import standing_position
 
 _ALSO = {
@@ -176,7 +179,7 @@ def _by_noise(recording: Recording, model: Model, beside: Sequence[Recording]) -
     if not 0.0 < share * NOISY < 1.0 or any(_share_of_noise(other, model) * NOISY >= 1.0 for other in beside):
         return
     noise = model.value("sensors.current_noise")
-    name, whole, stated = _in_words(recording, model, share * noise, noise)
+    name, whole, stated = drive_in_words(recording, model, share * noise, noise)
     yield Inconsistency(
         recording.name,
         f"{name} is {whole} (rms) in all, less than the {stated} of noise that the model file states, so that the "
@@ -194,11 +197,11 @@ def _by_zero_drive(recording: Recording, model: Model, beside: Sequence[Recordin
     """
     if not recording.has("current") or any(map(_is_driven, (recording, *beside))):
         return
-    name, zero = _in_words(recording, model, 0.0)
+    name, zero = drive_in_words(recording, model, 0.0)
     yield Inconsistency(
         recording.name,
         f"its {name} is {zero} all along",
-        "is that the right column of the trace? Name it in the import map",
+        RIGHT_COLUMN,
         "zero drive",
         certain=False,
     )
@@ -214,10 +217,10 @@ def _by_idle_drive(recording: Recording, model: Model, beside: Sequence[Recordin
     Something else may drive it, and then its current has nothing to say; or it may coast, and then inertia and friction
     are known from each other alone.
     """
-    idle = idle_current(recording, model) if _of_unknown_inertia(model) else None
+    idle = idle_current(recording, model) if of_unknown_inertia(model) else None
     if idle is None or any(idle_current(other, model) is None for other in beside if other is not recording):
         return
-    name, whole, noise = _in_words(recording, model, *idle)
+    name, whole, noise = drive_in_words(recording, model, *idle)
     yield Inconsistency(
         recording.name,
         f"the drive does nothing here: its {name} is {whole} (rms), its noise {noise}, and nothing of it goes with the "
@@ -225,14 +228,6 @@ def _by_idle_drive(recording: Recording, model: Model, beside: Sequence[Recordin
         "record with the drive on, or check the import map; a torque from outside is its load_torque",
         "idle drive",
     )
-
-
-def _in_words(recording: Recording, model: Model, *currents: float) -> tuple[str, ...]:
-    """The name of the signal that tells the drive's torque, and these currents [own A] in its unit."""
-    if BY_TORQUE not in recording.metadata:
-        return "current", *(quantity(*shown(model, current, "A")) for current in currents)
-    constant = model.value("machine.torque_constant")
-    return "motor_torque", *(quantity(*shown(model, constant * current, "N m")) for current in currents)
 
 
 def _share_of_noise(recording: Recording, model: Model) -> float:
@@ -248,7 +243,7 @@ def _share_of_noise(recording: Recording, model: Model) -> float:
 
 def _by_inertia(recording: Recording, model: Model, beside: Sequence[Recording]) -> Iterator[Inconsistency]:
     """Whether the current accelerates the machine as its inertia and loads require, if these are known."""
-    if _of_unknown_inertia(model):
+    if of_unknown_inertia(model):
         yield from _by_friction(recording, model, beside)
         return
     factor = torque_over_inertia(recording, model)
@@ -269,12 +264,6 @@ def _by_inertia(recording: Recording, model: Model, beside: Sequence[Recording])
         f"inertia, {why}",
         factor,
     )
-
-
-def _of_unknown_inertia(model: Model) -> bool:
-    """Whether the torque that an acceleration needs is open, or the current that gives it."""
-    names = [*(f"{part}_inertia" for part in ("motor", "gearbox", "output")), "torque_constant"]
-    return any(math.isinf(model.constants[f"machine.{name}"].tolerance) for name in names)
 
 
 def _by_friction(recording: Recording, model: Model, beside: Sequence[Recording]) -> Iterator[Inconsistency]:
@@ -303,7 +292,7 @@ def _by_voltage(recording: Recording, model: Model) -> Iterator[Inconsistency]:
 
     A question, since volts are no scale of a machine: of one with known inertia the current tells more.
     """
-    voltage = impossible_voltage(recording, model) if _of_unknown_inertia(model) else None
+    voltage = impossible_voltage(recording, model) if of_unknown_inertia(model) else None
     if voltage is not None:
         constant = quantity(*shown(model, model.value(TORQUE_CONSTANT), "N m/A"))
         yield Inconsistency(

@@ -138,8 +138,10 @@ def _load(recording: Recording, model: Model, seen: Observation) -> np.ndarray:
 
 
 def pieces_in_motion(recording: Recording, model: Model) -> Iterator[tuple[Recording, Observation]]:
-    """The pieces of a recording that show a motion, and what is observed in them."""
+    """The pieces of a recording that show a motion under a drive that changes, and what is observed in them."""
     for start in PIECE * np.unique(recording.time // PIECE):
+        piece = recording.between(start, start + PIECE)
+        if piece.has("current") and np.ptp(piece.signals["current"]) == 0.0:  # a constant load explains all of it
+            continue
         with suppress(InputError):  # whatever needs the motion will report this
-            piece = recording.between(start, start + PIECE)
             yield piece, observe(piece, model)

@@ -21,7 +21,7 @@ from ..listing import number_of
 from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, LOAD, MOTOR_ANGLE, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
-from ..reading_noise import FEWEST_READINGS, noise_at_points, reading_noise, smallest_step
+from ..reading_noise import FEWEST_READINGS, noise_at_points, reading_noise, reading_step
 from ..simulation.angle_origins import origins_of
 from ..simulation.operating_points import doubled, motion_at_points
 from ..simulation.sensor_noise import counter_noise
@@ -34,7 +34,7 @@ from .sliding import moving_maximum
 from .smoothed_motion import COUNTER_WIDTH, LEAST_PERIODS, WIDTH, differentiator, even, smoothed_motion, usual_step
 from .smoothing import gaussian, smooth, smooth_at
 from .spoilt_samples import counter_jumps
-from .unjudgeable import refuse_few_points, refuse_incomplete, refuse_unchanging, too_little_motion
+from .unjudgeable import refuse_few_points, refuse_incomplete, refuse_unchanging, refuse_undriven, too_little_motion
 
 START = 0.03  # own s at each end that are not judged
 JITTER = 2e-4  # own s of possible offset between the two counters' samples, or of an impact
@@ -148,7 +148,7 @@ def observe(
         inertia=inertia,
         torque_noise=noise[rows],
         torque_reading=min(white, constant * model.value("sensors.current_noise") * float(np.linalg.norm(kernel))),
-        torque_step=constant * smallest_step(raw),
+        torque_step=constant * reading_step(raw),
         coarse=rounding_noise(raw, model, reading_noise(signals["current"])) > 0.0,
         hit=hit,
         after_impact=after_impact,
@@ -262,6 +262,7 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
     if any(recording.of_points for recording in recordings):
         refuse_few_points(found)
         return found
+    refuse_undriven(found, recordings, model)
     if not found[0].geared and _too_noisy(found):
         found = _quieter(recordings, model, widest) or found
     judged = _judged_rows(found, recordings)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..criteria import HARD
 from ..model import Model
-from ..reading_noise import beside_fast_signal, reading_noise, smallest_step
+from ..reading_noise import beside_fast_signal, reading_noise, reading_step
 from ..simulation.sensor_noise import counter_noise
 
 
@@ -36,7 +36,7 @@ def rounding_noise(raw: np.ndarray, model: Model, read: float = 0.0) -> float:
 
     The noise is the model's, or what was ``read`` off the recording if the model gives none.
     """
-    step = smallest_step(raw)
+    step = reading_step(raw)
     return step / math.sqrt(12.0) if step > 2.0 * max(model.value("sensors.current_noise"), read) else 0.0
 
 

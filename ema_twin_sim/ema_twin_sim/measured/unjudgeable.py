@@ -11,7 +11,7 @@ from ema_bench_replay.recording import Recording
 from ema_bench_replay.some_of import some_of
 from ema_bench_replay.traces.lacked_columns import lacked_columns
 
-from ..criteria import FAR_OUT, SMALL, STANDSTILL
+from ..criteria import FAR_OUT, PART, SMALL, STANDSTILL
 from ..listing import first_of
 from ..model import Model
 from ..model.own_units import shown
@@ -21,10 +21,13 @@ from ..reading_noise import reading_noise, smallest_step
 from ..simulation.behind_motor import of_encoders_alone
 from ..simulation.long_gaps import refuse_long_gaps
 from ..simulation.operating_points import FEWEST as FEWEST_POINTS
+from .drive_in_words import drive_in_words
 from .observation import Observation
 from .smoothed_motion import FEWEST, NEEDED, usual_step
 from .smoothing import smooth
+from .unknown_inertia import of_unknown_inertia
 
+RIGHT_COLUMN = "is that the right column of the trace? Name it in the import map"
 HELD = (
     "; a test of stiffness, held at each load, is read as operating points: `operating_points: true` in its map, or "
     "init --operating-points"
@@ -57,18 +60,67 @@ def refuse_incomplete(recording: Recording, model: Model) -> None:
 
 
 def refuse_unchanging(recording: Recording, signals: Mapping[str, np.ndarray], model: Model) -> None:
-    """Raise InputError if what would be judged, the current or without one the output's position, never changes."""
+    """Raise InputError if there is nothing to judge: no current at all, or without one an output that never moves."""
     if "current" not in signals:
         if np.ptp(signals["output_position"]) == 0.0:
             raise InputError(
                 f"{recording.name}: its output_position never changes while the motor turns; is the encoder connected, "
                 "and is that the right column of the trace?"
             )
-    elif np.ptp(signals["current"]) == 0.0:
+    elif not signals["current"].any():
+        name, zero = drive_in_words(recording, model, 0.0)
+        raise InputError(f"{recording.name}: its {name} is {zero} all along; {RIGHT_COLUMN}")
+
+
+def refuse_undriven(found: Sequence[Observation], recordings: Sequence[Recording], model: Model) -> None:
+    """Raise InputError if a current that never changes while it moves cannot drive the motion, or tells too little.
+
+    A step test holds one: its levels tell the friction, and then its acceleration the inertia. At a single level, dry
+    friction alone explains the torque, unless the inertia is known. A constant torque turns a motion round once at
+    most. A measured load may drive the machine instead.
+    """
+    levels = [_level(o, recording, model) for o, recording in zip(found, recordings, strict=True)]
+    for o, recording, level in zip(found, recordings, levels, strict=True):
+        if level is not None and (turns := _turns(o)) > 1:
+            name, held = drive_in_words(recording, model, level)
+            raise InputError(
+                f"{recording.name}: its {name} is {held} all along, while the motion reverses {turns} times; "
+                f"{RIGHT_COLUMN}"
+            )
+    if levels[0] is None or not np.allclose(np.array(levels, float), levels[0]):
+        return
+    steady = not any(map(_speed_changes, found))
+    if steady or (of_unknown_inertia(model) and not any(map(_turns, found))):
+        name, held = drive_in_words(recordings[0], model, levels[0])
         raise InputError(
-            f"{recording.name}: its current is {shown(model, signals['current'][0], 'A')[0]:g} A all along; is that "
-            "the right column of the trace? Name it in the import map"
+            f"{first_of([o.name for o in found])}: {name} is {held} all along, which dry friction alone explains, "
+            "whatever the inertia; record several levels, or a motion that changes"
+            + ("" if steady else ", or give the model its inertia")
+            + f"; or {RIGHT_COLUMN}"
         )
+
+
+def _level(o: Observation, recording: Recording, model: Model) -> float | None:
+    """The current [own A] that a recording holds while it moves; None if it changes, or if a measured load may drive.
+
+    Smoothing rounds what is constant.
+    """
+    if not len(o.rows) or not recording.has("current") or recording.has("load_torque"):
+        return None
+    level = float(np.median(o.torque))
+    return level / model.value("machine.torque_constant") if np.allclose(o.torque, level) else None
+
+
+def _turns(o: Observation) -> int:
+    """How often a motion reverses in its judged rows, of what is faster than a part of its fastest."""
+    speed = smooth(o.motion[:, SPEED], o.kernel)[o.rows]
+    return int(np.count_nonzero(np.diff(np.sign(speed[np.abs(speed) > PART * np.abs(speed).max()]))))
+
+
+def _speed_changes(o: Observation) -> bool:
+    """Whether a motion is at some time far slower than at another."""
+    speed = np.abs(smooth(o.motion[:, SPEED], o.kernel)[o.rows])
+    return bool(np.ptp(speed) > PART * speed.max())
 
 
 def _missing(recording: Recording) -> list[str]:

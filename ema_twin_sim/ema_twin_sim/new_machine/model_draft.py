@@ -313,7 +313,7 @@ def _sensor_lines(recordings: Sequence[Recording], ratio: float) -> list[str]:
             )
     for name in ("current", "speed"):
         if recording.has(name) and not (recording.of_points and name == "speed"):  # each point has its own speed
-            noise = _noise(recording, name)
+            noise = _usual_noise(recordings, name)
             lines.append(
                 f"  {name}_noise: {{value: {noise.value:.3g}, unit: {signal_unit(name, motion)}, "
                 f"source: {noise.source}}}{check_comment(noise.doubt)}"
@@ -322,7 +322,7 @@ def _sensor_lines(recordings: Sequence[Recording], ratio: float) -> list[str]:
     if lag is not None:
         lines.append(f"  speed_smoothing: {{value: {lag:.3g}, unit: s, source: lag of the speed behind the position}}")
     if recording.has("motor_torque") and not recording.has("current"):
-        noise = _noise(recording, "motor_torque")
+        noise = _usual_noise(recordings, "motor_torque")
         torque = signal_unit("motor_torque", motion)
         lines.append(
             f"  current_noise: {{value: {noise.value:.3g}, unit: A, "
@@ -364,6 +364,13 @@ class _Noise(NamedTuple):
     value: float
     source: str = "third differences of the recording"
     doubt: str = ""
+
+
+def _usual_noise(recordings: Sequence[Recording], signal: str) -> _Noise:
+    """The median noise of a signal over the recordings that show one; none if no recording does."""
+    each = [_noise(recording, signal) for recording in recordings if recording.has(signal)]
+    shown = sorted((noise for noise in each if noise.value > 0.0), key=lambda noise: noise.value)
+    return shown[(len(shown) - 1) // 2] if shown else _Noise(0.0, source="the recordings show none")
 
 
 def _noise(recording: Recording, signal: str) -> _Noise:

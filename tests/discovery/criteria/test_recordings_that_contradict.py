@@ -79,6 +79,44 @@ def test_shares_of_a_guess_are_shares_of_its_value():
     assert guessed == known
 
 
+def accelerated(inertia, torque_rest, disturbed):
+    """A fit of three recordings, of which the last has this ``inertia``, in shares of the others'.
+
+    Its torque has a ``torque_rest`` beside what inertia and friction need; its motion is ``disturbed``, and what does
+    it is in no torque: both in shares of its acceleration.
+    """
+    random = np.random.default_rng(3)
+    wave, direction = (np.sqrt(2.0) * np.cos(np.linspace(0.0, 40.0, ROWS)), np.ones(ROWS))
+    jacobian, residual = [], []
+    for share, rest, moved in ((1.0, 0.1, 0.0), (1.0, 0.1, 0.0), (inertia, torque_rest, disturbed)):
+        acceleration = 20.0 * (wave + moved * random.normal(size=ROWS))
+        jacobian.append(np.stack([acceleration, 100.0 * direction], 1))
+        residual.append(20.0 * (share * wave + rest * random.normal(size=ROWS)) - acceleration)
+    paths = [CONSTANTS["inertia"], CONSTANTS["dry friction"]]
+    hypothesis = SimpleNamespace(free=[SimpleNamespace(path=path, prior=0.1) for path in paths], values=np.ones(2))
+    problem = SimpleNamespace(
+        observations=[SimpleNamespace(name=f"run {k}") for k in range(3)],
+        torque_parts=[slice(k * ROWS, (k + 1) * ROWS) for k in range(3)],
+    )
+    return problem, SimpleNamespace(
+        hypothesis=hypothesis,
+        jacobian=np.concatenate(jacobian),
+        residual=np.concatenate(residual),
+        variance_inflation=1.0,
+    )
+
+
+def test_an_acceleration_that_a_disturbance_causes_shows_no_smaller_inertia():
+    """A commanded ramp, whose acceleration is the ripple of its teeth, was said to need 77 % less inertia."""
+    assert contradictions(*accelerated(1.0, 0.0, disturbed=1.5)) == ()
+
+
+@pytest.mark.parametrize(("inertia", "words"), [(0.5, "less"), (1.5, "more")])
+def test_another_inertia_that_the_torque_shows_is_named(inertia, words):
+    (told,) = contradictions(*accelerated(inertia, 0.1, disturbed=0.0))
+    assert told.startswith("run 2: needs ") and f"{words} inertia" in told
+
+
 def test_constants_that_are_not_free_are_not_asked():
     problem, f = fitted(0.0, 0.4, 0.0)
     f.hypothesis.free[2].path = "sensors.gain"
