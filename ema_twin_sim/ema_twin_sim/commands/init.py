@@ -256,6 +256,8 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
         )
     for name, difference in guesses.control_errors.items():
         say(f"{name}: not used, since it is {difference}: a control error")
+    for name, copied in guesses.repeats.items():
+        say(f"{name}: not used, since it {copied}")
     if angles := guesses.phase_angles:
         say(
             f"{some_of(angles)}: not used, since power analysers give the angle between voltage and current so (if "

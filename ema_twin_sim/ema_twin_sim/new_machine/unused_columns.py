@@ -31,7 +31,7 @@ def beside_those_taken(guesses: Guesses, columns: Collection[str]) -> list[str]:
         return []
     columns = [name for name in columns if _apart(guesses.joint.name) in _apart(name)]
     told = {*guesses.other_motion, *guesses.other_axes, *guesses.row_counters, *guesses.clock_counters}
-    told |= {*guesses.electrical, *guesses.control_errors, *guesses.lost_commands}
+    told |= {*guesses.electrical, *guesses.control_errors, *guesses.repeats, *guesses.lost_commands}
     told |= {guess.column for guess in guesses.other_torques}
     taken = {header_words(guess.column).quantity or _quantity(guess.column) for guess in guesses.signals}
     return [name for name in columns if name not in told and _quantity(name) in taken]
