@@ -45,3 +45,7 @@ class TimeGoesBackError(InputError):
     def __init__(self, message: str, rows: int) -> None:
         super().__init__(message)
         self.rows = rows
+
+
+class MissingNumberError(InputError):
+    """A cell of a trace that must hold a number is empty, or says that it has none."""

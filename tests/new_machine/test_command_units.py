@@ -43,7 +43,7 @@ def test_names_of_joints_are_as_in_the_header(drafted):
         columns |= {
             f"actual-position-{joint} [deg]": ANGLE * (3 - k) + k * np.cos(9.0 * k * TIME),
             f"position-demand-{joint} [deg]": TARGET * (3 - k),
-            f"target-position-{joint} [deg]": TARGET * (3 - k),
+            f"target-position-{joint} [deg]": ANGLE * (3 - k),
             f"current-{joint} [A]": CURRENT + k * np.cos(7.0 * k * TIME),
         }
     said = drafted(columns).said

@@ -235,3 +235,16 @@ def test_a_unit_that_is_unknown_is_not_none_in_the_map(tmp_path):
     init(str(tmp_path / "servo"), [file], gear_ratio=10.0)
     drawn = (tmp_path / "servo_map.yaml").read_text()
     assert "'dyn cm' is not a known unit" in drawn and "no unit in the header" not in drawn
+
+
+def test_topics_with_rows_of_their_own_are_joined_and_said(drafted, tmp_path):
+    """As PlotJuggler writes: no row holds the motion and the current."""
+    times = np.arange(1500) * 2e-3
+    rows = [(t, f"{t:.6f},,{2.0 * np.sin(3.0 * t):.6f},{6.0 * np.cos(3.0 * t):.6f}") for t in times]
+    rows += [(t, f"{t:.6f},{np.cos(3.0 * t):.6f},,") for t in times + 0.0011]
+    header = "__time,/drive/current,/joint_states/position,/joint_states/velocity\n"
+    file = tmp_path / "plot.csv"
+    file.write_text(header + "\n".join(text for _, text in sorted(rows)) + "\n")
+    draft = drafted(file)
+    assert "/drive/current → current" in draft.said and "/joint_states/position → motor_position" in draft.said
+    assert "each row holds the columns of one topic only, so they are joined" in draft.warned

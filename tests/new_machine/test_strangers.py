@@ -103,6 +103,17 @@ def test_a_drives_log_that_tells_turns_is_read_so_and_said(names):
     assert (units["motor_position"], units["speed"]) == ("deg", "deg/s")
 
 
+@pytest.mark.parametrize("beside", ["fet_temp", "axis0_fet_temperature"])
+def test_a_drive_is_known_by_the_columns_beside_its_motion(beside):
+    """ODrive's CAN messages tell the FET's temperature and the bus's voltage, however the motion is named."""
+    time, speed, angle = _swing()
+    turns = (angle / (2.0 * math.pi), speed / (2.0 * math.pi), np.cos(time))
+    motion = ("motor_pos", "motor_vel", "motor_qcurrent")
+    steady = (np.linspace(31.0, 36.0, len(time)), np.linspace(32.0, 32.5, len(time)))
+    units, _ = _units(("time", *motion, beside, "bus_voltage"), (time, *turns, *steady))
+    assert (units["motor_position"], units["speed"]) == ("rev", "rev/s")
+
+
 def test_a_name_that_says_the_drive_says_nothing_of_other_columns():
     time, speed, angle = _swing()
     names = ("time", "shaft angle", "ODrive speed", "ODrive current")

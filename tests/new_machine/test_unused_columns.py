@@ -1,6 +1,7 @@
 """`init` reads imperial units, and says why columns that may be meant are not used."""
 
 import numpy as np
+import pytest
 
 TIME = np.arange(800) * 2e-3
 SPEED = 3.0 * np.cos(3.0 * TIME)
@@ -39,3 +40,25 @@ def test_what_may_be_the_motion_is_asked_about(drafted):
     assert "y: not read, since its name does not tell what it is, and no position or speed was found: is it one" in said
     assert "'motor position [deg]' or 'motor speed [rpm]'" in said
     assert "not read" not in drafted({**columns, "angle": SPEED}).said
+
+
+@pytest.mark.parametrize("name", ["action", "motorAction_0", "cmd", "target_0"])
+def test_a_command_of_no_known_quantity_is_named_on_the_screen(name, drafted):
+    """A learned controller's action is a position for one machine and a torque for another."""
+    columns = {"time": TIME, "angle": np.sin(3.0 * TIME), name: np.sign(np.sin(40.0 * TIME)), "torque": FORCE}
+    draft = drafted(columns)
+    assert f"{name}: not read, since its name does not tell what is commanded or measured (if it" in draft.said
+    assert "'position command [rad]', and run init again" in draft.said and "output_command" not in draft.map
+
+
+def test_what_goes_as_the_position_does_is_named_and_nothing_else(drafted):
+    angle = np.sin(3.0 * TIME)
+    columns = {"time": TIME, "angle": angle, "foo": 7.3 * angle + 0.1 * np.sin(40.0 * TIME), "torque": FORCE}
+    assert "foo: not read, since its name does not tell" in drafted(columns).said
+    assert "not read" not in drafted({**columns, "foo": np.sin(40.0 * TIME)}).said
+
+
+def test_an_action_in_the_positions_unit_commands_it(drafted):
+    angle = np.sin(3.0 * TIME)
+    columns = {"time": TIME, "angle [rad]": angle, "action [rad]": np.sin(3.0 * TIME + 0.05), "torque": FORCE}
+    assert "action [rad] → output_command" in drafted(columns).said

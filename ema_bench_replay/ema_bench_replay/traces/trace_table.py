@@ -13,14 +13,15 @@ from typing import BinaryIO
 
 import numpy as np
 
-from ema_bench_replay.errors import InputError
+from ema_bench_replay.errors import InputError, MissingNumberError
 from ema_bench_replay.long_columns import Column, less_rows
 from ema_bench_replay.traces.blank_columns import rows_with_tabs, with_tabs
 from ema_bench_replay.traces.header_lines import HeaderLines, NoHeader, header_lines
 from ema_bench_replay.traces.incomplete_ends import MOST, Cells, incomplete_rows, left_out_words
 from ema_bench_replay.traces.keyed_trace import refuse_keyed_trace
 from ema_bench_replay.traces.line_breaks import line_end
-from ema_bench_replay.traces.missing_numbers import holds_nothing
+from ema_bench_replay.traces.merged_topics import with_topics_joined
+from ema_bench_replay.traces.missing_numbers import holds_nothing, is_missing
 from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
 from ema_bench_replay.traces.paired_columns import with_common_time
 from ema_bench_replay.traces.quoted_cells import with_marks_hidden, with_marks_shown
@@ -102,10 +103,31 @@ def read_table(
     be separated by blanks, and a semicolon may end each row. Times of day and dates are converted to s. Rows that hold
     nothing in any column are left out, with one warning. An incomplete last row is dropped, with a warning, and so are
     up to three first and last rows that lack a number in a needed column (in any if none is needed) in which all others
-    hold one. `delimiter` and `number_format` ("german", "english") are detected if they are None.
-    `needed` returns for a header the columns that must hold numbers; others may hold words and empty cells. `progress`
-    is called with the share read so far. Raises InputError.
+    hold one. Merged topics, each with rows of its own, are joined, with a warning. `delimiter` and `number_format`
+    ("german", "english") are detected if they are None. `needed` returns for a header the columns that must hold
+    numbers; others may hold words and empty cells. `progress` is called with the share read so far. Raises InputError.
     """
+    try:
+        table = _read(path, delimiter, number_format, needed, progress)
+        return table if needed(table.header) else with_topics_joined(table) or table
+    except MissingNumberError as missing:
+        try:
+            joined = with_topics_joined(_read(path, delimiter, number_format, lambda header: (), progress))
+        except InputError:  # further down than what is missing
+            joined = None
+        if joined is None or any(np.isnan(joined.columns[column]).any() for column in needed(joined.header)):
+            raise missing from None
+        return joined
+
+
+def _read(
+    path: Path,
+    delimiter: str | None,
+    number_format: str | None,
+    needed: Callable[[list[str]], Collection[int]],
+    progress: Callable[[float], None],
+) -> TraceTable:
+    """The table as its cells stand in the file. Raises MissingNumberError if a needed one is empty, else InputError."""
     try:
         if (size := path.stat().st_size) > LARGEST:
             raise InputError(f"{path}: larger than {LARGEST >> 30} GiB; split it, or trace fewer signals")
@@ -408,7 +430,8 @@ class _RowReader:
         wrong = f"{cell!r} is no number in {self.format.example} format" if cell else "the cell is empty"
         if cell.strip().lower() == "nan":
             wrong = "holds no value (NaN)"
-        return InputError(
+        kind = MissingNumberError if not cell or is_missing(cell) else InputError
+        return kind(
             f"{self.path}: line {line}: column {self.header[column]!r}: {wrong}; correct it, remove the "
             "row, or leave the column out of the import map"
         )

@@ -20,6 +20,7 @@ from .shown_draft import (
     in_unit,
     say_next,
     say_search,
+    say_unclear,
     say_unused,
     say_what_it_rests_on,
     say_what_to_look_at,
@@ -199,7 +200,7 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
     from ..new_machine.sign_bits import how_to_decode
     from ..new_machine.turns import counted_on_turns
     from ..new_machine.units_by_numbers import with_units
-    from ..new_machine.unused_columns import that_may_be_motion
+    from ..new_machine.unused_columns import that_may_be_commands, that_may_be_motion
 
     table = read_table(trace, needed=lambda header: ())
     columns = some_of(filter(None, table.header))
@@ -256,6 +257,8 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
         )
     for name, difference in guesses.control_errors.items():
         say(f"{name}: not used, since it is {difference}: a control error")
+    for name, copied in guesses.repeats.items():
+        say(f"{name}: not used, since it {copied}")
     if angles := guesses.phase_angles:
         say(
             f"{some_of(angles)}: not used, since power analysers give the angle between voltage and current so (if "
@@ -272,6 +275,8 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
     say_unused(guesses, unused)
     if guesses.signals and (unread := that_may_be_motion(guesses, unused, numbers)):
         ask_for_motion(unread)
+    elif unclear := that_may_be_commands(guesses, unused, numbers):
+        say_unclear(unclear, guesses.motion)
     for name in runs:
         count = count_of_runs(numbers[name])
         if count > 1:

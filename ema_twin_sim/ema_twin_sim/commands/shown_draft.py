@@ -85,6 +85,17 @@ def ask_for_motion(unread: Sequence[str]) -> None:
     )
 
 
+def say_unclear(columns: Sequence[str], motion: str) -> None:
+    """Print that columns are not read that command something, or go as the motion does, and what to do about it."""
+    from ema_bench_replay.units import signal_unit
+
+    unclear = "its name does not tell" if len(columns) == 1 else "their names do not tell"
+    say(
+        f"{_shortened(columns)}: not read, since {unclear} what is commanded or measured (if it is the position, say "
+        f"so in the name, as in 'position command [{signal_unit('motor_position', motion)}]', and run init again)"
+    )
+
+
 def _shortened(names: Sequence[str]) -> str:
     more = f" and {len(names) - _MOST_COLUMNS} more" if len(names) > _MOST_COLUMNS else ""
     return f"{', '.join(names[:_MOST_COLUMNS])}{more}"

@@ -38,7 +38,7 @@ SYMBOLS: dict[str, frozenset[str]] = {
 SETPOINT = (
     r"setp|soll|command|demand|desire|target|refer|rifer|consign|vorgabe|fuehrung"
     r"|^(set|ref|cmd)(vel|rpm|spd|speed|pos|cur|torque|trq)"
-    r"|^(set|ref|cmd|sp|des|star|goal|wanted|tgt)$"
+    r"|^(set|ref|cmd|sp|des|star|goal|wanted|tgt|actions?)$"
 )
 ACTUAL = r"^(ist|act|actual|meas|measured|fb|feedback|mesuree?|misurat[ao]|medid[ao]|reale?)$|istwert|^ist"
 ESTIMATED = r"^est$|^estimate[ds]?$|^estimation$|^geschaetzt"

@@ -26,6 +26,7 @@ from .never_changing import never_changes
 from .part_names import without_lone_letters
 from .phase_angles import phase_angles
 from .power_analyser import analysers_columns
+from .repeated_columns import repeated_columns
 from .row_counters import row_counters
 from .sign_bits import sign_bits
 from .signal_columns import choose_signals, drive_command, other_torques, signal_column, supply_current
@@ -99,6 +100,7 @@ class Guesses:
     electrical: tuple[str, ...] = ()  # columns not used since a power analyser's voltages and powers are named so
     lost_commands: Mapping[str, str] = field(default_factory=dict)  # commanded positions not used, and why
     control_errors: Mapping[str, str] = field(default_factory=dict)  # not used: that of these, in words
+    repeats: Mapping[str, str] = field(default_factory=dict)  # not used: copies of these, in words
 
     @property
     def drives(self) -> bool:
@@ -184,6 +186,8 @@ def guess_columns(
     usable = [read for read in names if read.name not in unusable]
     whole = {name: values for name, values in numbers.items() if name not in no_numbers}
     of_joint, usable = one_joint([_joint_column(read) for read in usable], whole, joint)
+    repeats = repeated_columns(usable, numbers)
+    usable = [read for read in usable if read.name not in repeats]
     errors = control_errors(usable, numbers)
     usable = [read for read in usable if read.name not in errors]
     other_motion = tuple(
@@ -237,6 +241,7 @@ def guess_columns(
         phase_angles=angles,
         electrical=electrical,
         control_errors=errors,
+        repeats=repeats,
         sign_bits=signs,
     )
 

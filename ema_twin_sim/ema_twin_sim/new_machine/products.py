@@ -36,10 +36,19 @@ class Product:
 
 
 IN_TURNS = (
-    Product("ODrive", ((("pos", "estimate"),), (("vel", "estimate"),))),
+    Product(
+        "ODrive",
+        (
+            (("pos", "estimate"),),
+            (("vel", "estimate"),),
+            (("fet", "temp"), ("bus", "voltage")),
+            (("fet", "temperature"), ("bus", "voltage")),
+        ),
+    ),
     Product("moteus", ((("q", "current"), ("velocity",)), (("q", "current"), ("position",)))),
 )
-"""ODrive from firmware 0.5 on (docs.odriverobotics.com); moteus (its register reference: revolutions of the output)."""
+"""ODrive from firmware 0.5 on (docs.odriverobotics.com), whose CAN messages tell the FET's temperature and the bus's
+voltage too; moteus (its register reference: revolutions of the output)."""
 
 
 def with_products_units(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> Guesses:

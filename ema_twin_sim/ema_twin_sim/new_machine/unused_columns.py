@@ -9,9 +9,11 @@ import numpy as np
 
 from ema_bench_replay.traces.header_words import header_words
 
+from ..criteria import NEARLY_ALL
 from .column_quantity import has_word, word_quantity
-from .column_words import ACCELERATION_UNIT, DUTY, DUTY_SETTING, NO_SIGNAL, POWER_UNIT
+from .column_words import ACCELERATION_UNIT, DUTY, DUTY_SETTING, NO_SIGNAL, POWER_UNIT, SETPOINT
 from .columns import Guesses
+from .joints import likeness
 from .never_changing import never_changes
 from .signal_columns import signal_column
 
@@ -31,7 +33,7 @@ def beside_those_taken(guesses: Guesses, columns: Collection[str]) -> list[str]:
         return []
     columns = [name for name in columns if _apart(guesses.joint.name) in _apart(name)]
     told = {*guesses.other_motion, *guesses.other_axes, *guesses.row_counters, *guesses.clock_counters}
-    told |= {*guesses.electrical, *guesses.control_errors, *guesses.lost_commands}
+    told |= {*guesses.electrical, *guesses.control_errors, *guesses.repeats, *guesses.lost_commands}
     told |= {guess.column for guess in guesses.other_torques}
     taken = {header_words(guess.column).quantity or _quantity(guess.column) for guess in guesses.signals}
     return [name for name in columns if name not in told and _quantity(name) in taken]
@@ -41,8 +43,31 @@ def that_may_be_motion(guesses: Guesses, columns: Collection[str], numbers: Mapp
     """Those of the columns whose names tell nothing and whose numbers (n,) change; none beside a position or speed."""
     if any(guess.signal in ("motor_position", "speed") for guess in guesses.signals):
         return []
+    return [name for name in columns if _is_unclear(name, guesses, numbers)]
+
+
+def that_may_be_commands(guesses: Guesses, columns: Collection[str], numbers: Mapping[str, np.ndarray]) -> list[str]:
+    """Those of the columns that command something that their names do not tell, or that move as a position does.
+
+    ``numbers`` (n,) are each column's. Of several joints, those whose names have the words of the joint that was taken.
+    """
+    moving = [
+        numbers[guess.column] for guess in guesses.signals if guess.signal in ("motor_position", "output_position")
+    ]
+
+    def is_like_one(name: str) -> bool:
+        """Whether a column commands something by its name, or goes as a position does."""
+        commands = has_word(header_words(name).words, SETPOINT)
+        return commands or any(likeness(numbers[name], way) >= NEARLY_ALL for way in moving)
+
+    of_joint = [name for name in columns if _apart(guesses.joint.name) in _apart(name)]
+    return [name for name in of_joint if _is_unclear(name, guesses, numbers) and is_like_one(name)]
+
+
+def _is_unclear(name: str, guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> bool:
+    """Whether a column changes, its name tells nothing, and nothing else was said of it."""
     told = {*guesses.row_counters, *guesses.clock_counters, *guesses.sign_bits}
-    return [name for name in columns if name not in told and _tells_nothing(name) and not never_changes(numbers[name])]
+    return name not in told and _tells_nothing(name) and not never_changes(numbers[name])
 
 
 def _tells_nothing(name: str) -> bool:
