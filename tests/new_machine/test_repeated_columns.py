@@ -42,6 +42,13 @@ def test_a_position_in_another_unit_is_no_second_encoder(drafted):
     assert "angle in degrees [deg]: not used, since it holds the same values as angle [rad]" in said
 
 
+def test_a_position_in_two_units_and_its_last_value_without_one_are_one_encoder(drafted):
+    columns = {"time [s]": TIME, "position [deg]": np.degrees(ANGLE), "position [rad]": ANGLE, "torque": TORQUE}
+    draft = drafted({**columns, "position_last": late(ANGLE, 1)})
+    assert "position_last: not used, since it repeats position [deg] one sample later" in draft.said
+    assert "output_position" not in draft.map
+
+
 def test_a_copy_that_begins_again_with_each_run_is_one_all_the_same():
     copied = late(ANGLE, 1)
     copied[::200] = 0.0

@@ -33,19 +33,28 @@ def repeated_columns(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndar
     columns = [column for column in map(signal_column, reversed(names)) if column and column.name in numbers]
     columns = sorted((column for column in columns if column.quantity in _SIGNALS), key=_tells_little, reverse=True)
     sizes = {column.name: (numbers[column.name], _last_digit(numbers[column.name])) for column in columns}
-    found: dict[str, str] = {}
+    found: dict[str, tuple[Column, int]] = {}
     for place, copy in enumerate(columns):
         beside = [
             (other, later)
             for k, other in enumerate(columns)
-            if other.name not in found and k != place and _is_alike(other, copy)
+            if k != place and _is_alike(other, copy) and _first_of_all(other, found)[0] is not copy
             for later in [_samples_later(sizes[copy.name], sizes[other.name], _factor(copy, other), at_once=k > place)]
             if later is not None
         ]
         if beside:
-            original, later = max(beside, key=lambda each: each[1])
-            found[copy.name] = _in_words(copy, original, later)
-    return found
+            found[copy.name] = max(beside, key=lambda each: each[1])
+    copies = [column for column in columns if column.name in found]
+    return {copy.name: _in_words(copy, *_first_of_all(copy, found)) for copy in copies}
+
+
+def _first_of_all(column: Column, found: Mapping[str, tuple[Column, int]]) -> tuple[Column, int]:
+    """The column that this one repeats in the end, itself if it is no copy, and how many samples later."""
+    later = 0
+    while column.name in found:
+        column, more = found[column.name]
+        later += more
+    return column, later
 
 
 def _tells_little(column: Column) -> tuple[bool, ...]:
