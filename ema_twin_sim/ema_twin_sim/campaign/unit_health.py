@@ -53,6 +53,11 @@ class JudgedTest:
         """The recording that is farthest from the healthy ones."""
         return max(self.runs, key=lambda run: -1.0 if run.detected is None else run.distance)
 
+    @property
+    def reason(self) -> str:
+        """Why none of its recordings could be judged; empty if one could."""
+        return self.runs[-1].words[-1] if not self.judged else ""
+
     def as_json(self) -> dict[str, object]:
         """Absent numbers are null."""
         named = self.named
@@ -84,15 +89,27 @@ class UnitHealth:
     @property
     def lasting(self) -> tuple[JudgedTest, ...]:
         """The deviating tests at the end, since the last one that was like the healthy ones; empty if that is last."""
-        judged = [test for test in self.tests if test.judged]
-        return tuple(takewhile(lambda test: test.deviates, reversed(judged)))[::-1]
+        return tuple(takewhile(lambda test: test.deviates, reversed(self.judged)))[::-1]
 
     @property
-    def severity(self) -> tuple[bool, float, float]:
-        """Sort key: whether the last test deviates, the share of tests that do, and how far the last of these does."""
+    def judged(self) -> tuple[JudgedTest, ...]:
+        """The tests that could be judged."""
+        return tuple(test for test in self.tests if test.judged)
+
+    @property
+    def blind(self) -> tuple[JudgedTest, ...]:
+        """The tests at the end that could not be judged, since the last one that could; empty if that is last."""
+        return tuple(takewhile(lambda test: not test.judged, reversed(self.tests)))[::-1]
+
+    @property
+    def severity(self) -> tuple[bool, bool, float, float]:
+        """Sort key: whether the last judged test deviates, whether it is unknown how the unit is now, the share of the
+        judged tests that deviate, and how far the last of these does.
+        """
+        unknown = not self.tests or bool(self.blind)
         if not self.off:
-            return False, 0.0, 0.0
-        return bool(self.lasting), len(self.off) / len(self.tests), self.off[-1].worst.distance
+            return False, unknown, 0.0, 0.0
+        return bool(self.lasting), unknown, len(self.off) / len(self.judged), self.off[-1].worst.distance
 
     def as_json(self) -> dict[str, object]:
         """SI units."""
@@ -107,6 +124,7 @@ class UnitHealth:
                 for one in self.baselines
             ],
             "since": self.lasting[0].name if self.lasting else None,
+            "not_judged_since": self.blind[0].name if self.blind else None,
             "tests": [test.as_json() for test in self.tests],
             "remarks": list(self.remarks),
         }
@@ -186,11 +204,14 @@ def _judged(learnt: Learnt, runs: Iterable[RunFeatures]) -> tuple[JudgedTest, ..
 
 
 def sickest_first(units: Iterable[Unit], health: Mapping[str, UnitHealth | None]) -> list[Unit]:
-    """Units by their health, those whose last test deviates first; in their order where health says nothing else."""
+    """Units by their health, those whose last judged test deviates first, then those that were not judged lately.
 
-    def severity(unit: Unit) -> tuple[bool, float, float]:
+    They stay in their order where health says nothing else.
+    """
+
+    def severity(unit: Unit) -> tuple[bool, bool, float, float]:
         of = health[unit.name]
-        return (False, 0.0, 0.0) if of is None else of.severity
+        return (False, False, 0.0, 0.0) if of is None else of.severity
 
     return sorted(units, key=severity, reverse=True)
 

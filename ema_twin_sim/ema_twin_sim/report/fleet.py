@@ -21,7 +21,7 @@ from ..campaign.units import Unit
 from ..listing import number_of
 from ..quantities import estimate, quantity
 from ..words.sentences import effect_words
-from ..words.unit_health import TEST_HEAD, course_words, feature_words, health_words, test_cells
+from ..words.unit_health import TEST_HEAD, blind_words, course_words, feature_words, health_words, test_cells
 from ..words.units import (
     LAST_ERROR,
     LAST_ERROR_IS,
@@ -223,6 +223,8 @@ def _advice(unit: Unit, changed: Sequence[Outlook], leading: Sequence[Outlook], 
     told += [f"Find out why {number_words(look)} changes: {effect_words(look.history.owner)}." for look in changed[:3]]
     if health is not None and health.off:
         told.append(health.off[-1].worst.words[-1])
+    if health is not None and health.blind:
+        told.append(f"Its health is not known now: {blind_words(health)}. {health.blind[-1].reason}")
     if unit.missing:
         told.append("Add what is missing to its model, and follow its numbers: campaign --do fit.")
     if unit.refused + unit.failed:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 TEST_HEAD = ("test", "deviating", "distance / limit", "fault family", "what changed")
 """Headings of a unit's tests, compared with its healthy ones."""
 MONTH = 30.0  # days
+_END = re.compile(r"(?<=[.?]) |; ")
 _SHOWN = 3
 """Number of fault families that are named."""
 
@@ -28,13 +30,36 @@ def health_words(health: UnitHealth | None) -> str:
     if health is None:
         return ""
     if not health.baselines:
-        return "not judged"
+        return f"not judged: {_sentence(health.remarks[0])}" if health.remarks else "not judged"
     if not health.tests:
         return "not judged: all its tests are healthy ones"
+    left, others = len(health.tests) - len(health.judged), number_of(len(health.judged), "other")
     if not health.off:
-        return f"like its healthy tests ({number_of(len(health.tests), 'other')})"
-    last = health.off[-1]
-    return f"{len(health.off)} of {len(health.tests)} tests deviate, {_when_words(health)}: {_named_words(last)}"
+        if health.blind:
+            return f"{blind_words(health)}{f'; before, like its healthy tests ({others})' if health.judged else ''}"
+        return f"like its healthy tests ({others}{f'; {left} could not be judged' if left else ''})"
+    told = (
+        f"{len(health.off)} of {len(health.tests)} tests deviate, {_when_words(health)}: {_named_words(health.off[-1])}"
+    )
+    return f"{told}; {blind_words(health)}" if health.blind else told
+
+
+def blind_words(health: UnitHealth) -> str:
+    """How many of a unit's last tests could not be judged, and why the last one could not; empty if it could."""
+    blind = health.blind
+    if not blind:
+        return ""
+    if len(blind) == len(health.tests):
+        which = f"none of its {number_of(len(blind), 'test')} could"
+    else:
+        which = f"its last {number_of(len(blind), 'test') if len(blind) > 1 else 'test'} could not"
+    return f"{which} be judged ({_sentence(blind[-1].reason)})"
+
+
+def _sentence(text: str) -> str:
+    """The first clause of a text, to be told within another: without its full stop."""
+    first = _END.split(text, maxsplit=1)[0].removesuffix(".")
+    return f"{first[:1].lower()}{first[1:]}" if first[:4] in ("The ", "Its ") else first
 
 
 def _when_words(health: UnitHealth) -> str:

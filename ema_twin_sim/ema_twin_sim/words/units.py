@@ -11,7 +11,7 @@ from ..criteria import MOSTLY
 from ..listing import number_of
 from ..quantities import quantity
 from .sentences import effect_words
-from .unit_health import family_words, health_words, tests_words
+from .unit_health import blind_words, family_words, health_words, tests_words
 
 if TYPE_CHECKING:
     from ..campaign.histories import Outlook
@@ -84,6 +84,8 @@ def fleet_words(
     if judged := [of for of in health.values() if of is not None and of.tests]:
         off = sum(bool(of.off) for of in judged)
         told.append(f"{off} with tests that deviate from their healthy ones ({tests_words(judged, 'tests')})")
+        if blind := sum(bool(of.blind) for of in judged):
+            told.append(f"{blind} whose last test could not be judged")
     elif any(health.values()):
         told.append("none could be compared with healthy recordings of its own")
     refused = sum(unit.refused + unit.failed for unit in units)
@@ -99,7 +101,10 @@ def fleet_words(
 def order_words(units: Sequence[Unit], health: Mapping[str, UnitHealth | None]) -> str:
     """By what the units are sorted."""
     if any(health.values()):
-        return "those whose last test deviates first, then by their share of deviating tests"
+        blind = any(of is not None and of.blind for of in health.values())
+        then = ", then those whose last test could not be judged" if blind else ""
+        last = "last judged test" if blind else "last test"
+        return f"those whose {last} deviates first{then}, then by their share of deviating tests"
     errors = any(unit.beyond_noise is not None for unit in units)
     return f"the largest {LAST_ERROR} first" if errors else "by name"
 
@@ -136,6 +141,9 @@ def unit_words(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) 
         told.append(f"Missing in its model: {missing_words(unit)}.")
     if health is not None and health.tests:
         told.append(f"{tests_words([health], 'tests deviate from its healthy ones')}.")
+        if health.blind:
+            said = blind_words(health)
+            told.append(f"{said[:1].upper()}{said[1:]}.")
         names = Counter(family_words(test) for test in health.off)
         if names and max(names.values()) < MOSTLY * names.total():
             told.append("Its fault is named differently from test to test, so no single name is reliable.")
