@@ -98,7 +98,8 @@ def course_words(look: Outlook) -> str:
         f"{'above' if last > 0.0 else 'below'} the healthy"
     )
     if trend is None:
-        return f"{told}, without a trend" if of.dated else told
+        since = f" since {of.names[look.change.begin]}" if look.change else ""
+        return f"{told}, without a trend{since}" if of.dated else told
     slope = estimate(abs(trend.slope) * MONTH, trend.slope_error * MONTH, "1")
     return f"{told}, {'rising' if trend.slope > 0.0 else 'falling'} by {slope} a month"
 
