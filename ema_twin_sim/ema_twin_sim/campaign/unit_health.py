@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 from typing import Any
@@ -183,16 +183,27 @@ def unit_health(unit: Unit, healthy: Healthy) -> UnitHealth | None:
     acquisition = dict.fromkeys(
         finding for run in runs if run.features is not None for finding in run.acquisition.findings
     )
+    remarks = (*learnt.remarks, *_alone(unit, runs), *acquisition)
     if not learnt.kinds:
-        return UnitHealth((), (), (), (*learnt.remarks, *acquisition))
+        return UnitHealth((), (), (), remarks)
     tests = _judged(learnt, (run for run, flag in zip(runs, flags, strict=True) if not flag))
     reference = (run for run, flag in zip(runs, flags, strict=True) if flag)
     return UnitHealth(
         tuple(baseline for _, baseline in learnt.kinds),
         tests,
         _judged(learnt, reference) if any(test.deviates for test in tests) else (),
-        (*learnt.remarks, *acquisition),
+        remarks,
     )
+
+
+def _alone(unit: Unit, runs: Sequence[RunFeatures]) -> Iterator[str]:
+    """Yield a remark if recordings count as tests of their own because nothing tells which belong together."""
+    undated = {row["name"] for row in unit.rows if row["time"] is None}
+    if sum(run.test == run.name for run in runs if run.name in undated) > 1:
+        yield (
+            "its recordings tell neither a date nor a test (what was set up once), so each counts as a test of its "
+            "own; if several belong to one, put these into a folder, or name it by (?P<test>...) in campaign --unit"
+        )
 
 
 def _judged(learnt: Learnt, runs: Iterable[RunFeatures]) -> tuple[JudgedTest, ...]:

@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from ..campaign.dates import when_words
 from ..criteria import MOSTLY
 from ..listing import number_of
 from ..quantities import quantity
@@ -177,7 +178,7 @@ def result_cells(unit: Unit, row: Mapping[str, Any]) -> tuple[str, ...]:
     beyond = unit.beyond(row)
     return (
         row["name"],
-        f"{row['time']:%Y-%m-%d %H:%M}" if row["time"] else "",
+        when_words(row["time"]),
         row["task"],
         row["verdict"] or row["status"],
         ", ".join(effect_words(effect) for effect in row["missing"] or ()),
