@@ -11,6 +11,7 @@ from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.health.acquisition import Acquisition, Extent
 from ema_twin_sim.words.unit_health import health_words
 from ema_twin_sim.words.unit_health import test_cells as cells_of
+from ema_twin_sim.words.unit_results import result_columns
 from ema_twin_sim.words.units import fleet_words, unit_words
 from tests.health_by_hand import run_by_hand
 from tests.stored_rows import complete
@@ -110,3 +111,27 @@ def test_units_that_could_not_be_judged_lately_come_right_after_those_that_devia
     units, health = [unit for unit, _ in of.values()], {name: its for name, (_, its) in of.items()}
     assert [unit.name for unit in sickest_first(units, health)] == ["worn", "cut", "gone", "well"]
     assert "1 whose last test could not be judged" in fleet_words(units, {name: [] for name in of}, health)
+
+
+def test_each_recording_is_told_with_what_was_judged():
+    unit, health = judged({}, PLAY, {}, duration=12.0)
+    columns = result_columns(unit, health)
+    assert [*columns] == [
+        "recording", "task", "verdict", "distance / limit", "largest change (standard deviations)", "reason",
+    ]  # fmt: skip
+    *reference, well, worn, cut = columns["verdict"]
+    assert {*reference} == {"healthy reference"}
+    assert (well, worn, cut) == ("like the healthy ones", "deviates", "not judged")
+    assert [bool(cell) for cell in columns["distance / limit"]][-3:] == [True, True, False]
+    assert columns["largest change (standard deviations)"][-2].startswith("lost motion +")
+    assert columns["reason"][-1] == "the duration is 12 s and that of the healthy recordings 20 s"
+    assert cells_of(health.tests[-1])[1] == "not judged"
+
+
+def test_healthy_recordings_that_cannot_be_learnt_from_are_told_with_why():
+    unit, _ = judged({}, {})
+    first, *others = unit.rows
+    clipped = {**first["health"], "effort_usable": False, "findings": ["The effort is clipped."]}
+    (unit,) = units_of([{**first, "health": clipped}, *others])
+    columns = result_columns(unit, unit_health(unit, Healthy(WELL)))
+    assert (columns["verdict"][0], columns["reason"][0]) == ("not used as healthy", "The effort is clipped.")

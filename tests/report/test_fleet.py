@@ -160,7 +160,8 @@ def test_friction_that_rises_from_test_to_test_is_a_trend_before_it_has_many_tes
 
 
 def test_without_dates_a_feature_has_no_trend():
-    rows = [{**row, "time": None} for row in health_results("A", [1.0] * 10 + [1.3] * 10, seed=7)]
+    its = health_results("A", [1.0] * 10 + [1.3] * 10, seed=7)
+    rows = [{**row, "time": None, "name": f"condition {k}"} for k, row in enumerate(its)]
     (unit,) = units_of(rows)
     (look,) = feature_courses(unit, unit_health(unit, Healthy(8)))
     assert look.change is None and look.trend is None and "trend" not in course_words(look)

@@ -118,7 +118,7 @@ def run(
         say(f"{unit}: {' '.join(unit_words(found[0], ahead[unit], health[unit]))}")
         show_health(health[unit], feature_courses(found[0], health[unit]), most)
         show_numbers(ahead[unit], most)
-        show_recordings(found[0], most)
+        show_recordings(found[0], health[unit], most)
     else:
         say(f"{number_of(len(found), 'unit')}: {fleet_words(found, ahead, health)}")
         show_units(found, ahead, health, most)

@@ -22,10 +22,9 @@ from ..listing import number_of
 from ..quantities import estimate, quantity
 from ..words.sentences import effect_words
 from ..words.unit_health import TEST_HEAD, blind_words, course_words, feature_words, health_words, test_cells
+from ..words.unit_results import LAST_ERROR, NUMBERS, result_columns
 from ..words.units import (
-    LAST_ERROR,
     LAST_ERROR_IS,
-    RESULT_HEAD,
     change_of,
     counts_words,
     fleet_words,
@@ -35,7 +34,6 @@ from ..words.units import (
     moving_words,
     number_words,
     order_words,
-    result_cells,
 )
 from .history_chart import history_chart
 from .markup import Markup, capitalised, items, joined, section, table, tag
@@ -109,7 +107,8 @@ def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> st
     courses = feature_courses(unit, health)
     of_model = [] if _health_alone(unit) else _of_model(unit, looks, changed)
     leading = [look for look in looks if look.life is not None or look.trend is not None]
-    rows = [result_cells(unit, row) for row in unit.rows]
+    results = result_columns(unit, health)
+    words = tuple(k for k, heading in enumerate(results) if heading not in NUMBERS)
     parts = (
         tag("h1", unit.name),
         tag("p", tag("a", "all units", href="../index.html")),
@@ -133,7 +132,7 @@ def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> st
             _prognosis(unit, leading, courses),
         ),
         section("advice", "Advice", items(*_advice(unit, changed, leading, health))),
-        section("results", "Results", table(RESULT_HEAD, rows, words=(0, 1, 2, 3, 4, 6))),
+        section("results", "Results", table(tuple(results), zip(*results.values(), strict=True), words=words)),
     )
     return whole_page(unit.name, joined(parts))
 

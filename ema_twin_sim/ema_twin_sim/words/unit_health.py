@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..listing import number_of
 from ..quantities import estimate
+from .unit_results import DISTANCE, first_clause
 
 if TYPE_CHECKING:
     from ..campaign.histories import Outlook
     from ..campaign.unit_health import JudgedTest, UnitHealth
 
-TEST_HEAD = ("test", "deviating", "distance / limit", "fault family", "what changed")
+TEST_HEAD = ("test", "deviating", DISTANCE, "fault family", "what changed")
 """Headings of a unit's tests, compared with its healthy ones."""
 MONTH = 30.0  # days
-_END = re.compile(r"(?<=[.?]) |; ")
 _SHOWN = 3
 """Number of fault families that are named."""
 
@@ -30,7 +29,7 @@ def health_words(health: UnitHealth | None) -> str:
     if health is None:
         return ""
     if not health.baselines:
-        return f"not judged: {_sentence(health.remarks[0])}" if health.remarks else "not judged"
+        return f"not judged: {first_clause(health.remarks[0])}" if health.remarks else "not judged"
     if not health.tests:
         return "not judged: all its tests are healthy ones"
     left, others = len(health.tests) - len(health.judged), number_of(len(health.judged), "other")
@@ -53,13 +52,7 @@ def blind_words(health: UnitHealth) -> str:
         which = f"none of its {number_of(len(blind), 'test')} could"
     else:
         which = f"its last {number_of(len(blind), 'test') if len(blind) > 1 else 'test'} could not"
-    return f"{which} be judged ({_sentence(blind[-1].reason)})"
-
-
-def _sentence(text: str) -> str:
-    """The first clause of a text, to be told within another: without its full stop."""
-    first = _END.split(text, maxsplit=1)[0].removesuffix(".")
-    return f"{first[:1].lower()}{first[1:]}" if first[:4] in ("The ", "Its ") else first
+    return f"{which} be judged ({first_clause(blind[-1].reason)})"
 
 
 def _when_words(health: UnitHealth) -> str:
@@ -112,7 +105,8 @@ def feature_words(look: Outlook) -> str:
 def test_cells(test: JudgedTest) -> tuple[str, ...]:
     """One of a unit's tests, below ``TEST_HEAD``."""
     distance = f"{test.worst.distance:.1f} ×" if test.judged else ""
-    return test.name, f"{test.detected}/{test.judged}", distance, _named_words(test), _change_words(test)
+    counts = f"{test.detected}/{test.judged}" if test.judged else "not judged"
+    return test.name, counts, distance, _named_words(test), _change_words(test)
 
 
 def _named_words(test: JudgedTest) -> str:

@@ -5,30 +5,26 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from ..campaign.dates import when_words
 from ..criteria import MOSTLY
 from ..listing import number_of
 from ..quantities import quantity
 from .sentences import effect_words
 from .unit_health import blind_words, family_words, health_words, tests_words
+from .unit_results import LAST_ERROR
 
 if TYPE_CHECKING:
     from ..campaign.histories import Outlook
     from ..campaign.unit_health import UnitHealth
     from ..campaign.units import Unit
 
-LAST_ERROR = "error left / noise"
-"""Heading of the largest error of a unit's last result, in times the sensors' noise."""
 LAST_ERROR_IS = (
     f"{LAST_ERROR.capitalize()}: the largest error of a signal in the last recording that was judged, in times the "
     "sensors' noise: what is left once the missing effects are added and the numbers refitted (after campaign --do "
     "compare, the error of the model as it is)."
 )
 """Explains that column: a unit that lacks an effect may have no more error left than a healthy one."""
-RESULT_HEAD = ("recording", "recorded", "task", "verdict", "missing", "error left / noise", "reason")
-"""Headings of a unit's results; the error is in times the sensors' noise."""
 _SHOWN = 3
 """Number of a unit's effects that are named."""
 
@@ -171,17 +167,3 @@ def missing_words(unit: Unit) -> str:
     told = [f"{effect_words(effect)} {count}/{unit.searched}" for effect, count in unit.missing[:_SHOWN]]
     more = len(unit.missing) - _SHOWN
     return ", ".join([*told, *([f"{more} more"] if more > 0 else [])]) or "nothing"
-
-
-def result_cells(unit: Unit, row: Mapping[str, Any]) -> tuple[str, ...]:
-    """One of a unit's results, below ``RESULT_HEAD``."""
-    beyond = unit.beyond(row)
-    return (
-        row["name"],
-        when_words(row["time"]),
-        row["task"],
-        row["verdict"] or row["status"],
-        ", ".join(effect_words(effect) for effect in row["missing"] or ()),
-        "" if beyond is None else f"{beyond:.1f} ×",
-        row["message"] or "",
-    )
