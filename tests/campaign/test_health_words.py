@@ -9,7 +9,7 @@ from ema_twin_sim.campaign.results import DONE
 from ema_twin_sim.campaign.unit_health import sickest_first, unit_health
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.health.acquisition import Acquisition, Extent
-from ema_twin_sim.words.unit_health import health_words
+from ema_twin_sim.words.unit_health import health_words, naming_words
 from ema_twin_sim.words.unit_health import test_cells as cells_of
 from ema_twin_sim.words.unit_results import result_columns
 from ema_twin_sim.words.units import fleet_words, unit_words
@@ -54,7 +54,7 @@ def test_what_no_family_explains_is_told_with_its_feature():
     _, health = judged(UNKNOWN)
     cells = cells_of(health.tests[0])
     assert cells[3] == "unknown" and health.tests[0].named is None
-    assert "It differs from the healthy recordings, clearly" in cells[4]
+    assert cells[4].startswith("Lost motion between the encoders is ") and naming_words(health) == ""
     assert "none of the families of damage explains: lost motion between the encoders by -" in cells[4]
     assert health.tests[0].as_json()["family"] is None
 
@@ -135,3 +135,11 @@ def test_healthy_recordings_that_cannot_be_learnt_from_are_told_with_why():
     (unit,) = units_of([{**first, "health": clipped}, *others])
     columns = result_columns(unit, unit_health(unit, Healthy(WELL)))
     assert (columns["verdict"][0], columns["reason"][0]) == ("not used as healthy", "The effort is clipped.")
+
+
+def test_what_changed_is_told_in_short_and_the_last_fault_with_what_to_look_at():
+    _, health = judged(PLAY, FRICTION)
+    cell = cells_of(health.tests[1])[4]
+    assert cell.count("standard deviations") == 1 and "It differs" not in cell and "This is" not in cell
+    assert naming_words(health).startswith("Test day 13: This is friction up (probability ")
+    assert "Look at lubricant, seals and bearings." in naming_words(health)

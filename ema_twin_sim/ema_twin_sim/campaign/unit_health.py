@@ -13,6 +13,7 @@ from ..health.baseline import FEWEST_TESTS, Baseline, learn_from
 from ..health.families import Family, Ranked
 from ..health.judgement import HealthJudgement, judge_run, named_together
 from ..health.run_features import RunFeatures, same_motion
+from ..listing import first_of
 from .health_rows import run_of
 from .healthy import Healthy
 from .results import DONE
@@ -52,6 +53,13 @@ class JudgedTest:
     def worst(self) -> HealthJudgement:
         """The recording that is farthest from the healthy ones."""
         return max(self.runs, key=lambda run: -1.0 if run.detected is None else run.distance)
+
+    @property
+    def telling(self) -> HealthJudgement:
+        """The farthest of the recordings with the family that all of them give together; of all if none has it."""
+        named = self.named
+        held = [run for run in self.runs if run.detected and named is not None and run.family is named.family]
+        return max(held, key=lambda run: run.distance, default=self.worst)
 
     @property
     def reason(self) -> str:
@@ -152,7 +160,8 @@ def learnt_from(runs: Sequence[RunFeatures]) -> Learnt:
         try:
             baseline = learn_from(kind)
         except InputError as error:
-            remarks.append(f"{kind[0].name} and {len(kind) - 1} others cannot be the healthy reference: {error}")
+            these = first_of([run.name for run in kind])
+            remarks.append(f"{these} cannot be the healthy reference: {error}")
             continue
         learnt.append((kind[0], baseline))
         remarks += baseline.warnings

@@ -9,7 +9,7 @@ from rich.markup import escape
 
 from ..listing import number_of
 from ..quantities import estimate, quantity
-from ..words.unit_health import MONTH, TEST_HEAD, course_words, test_cells
+from ..words.unit_health import MONTH, TEST_HEAD, course_words, naming_words, test_cells
 from ..words.unit_results import LAST_ERROR, NUMBERS, result_columns
 from ..words.units import (
     LAST_ERROR_IS,
@@ -106,6 +106,8 @@ def show_health(health: UnitHealth | None, courses: Sequence[Outlook], most: int
         table.add_row(*map(escape, test_cells(test)))
     console.print(table)
     say("Distance: the largest distance from the healthy recordings, in times the limit.")
+    if named := naming_words(health):
+        say(named)
     for look in courses:
         said = course_words(look)
         say(f"{said[:1].upper()}{said[1:]}.")

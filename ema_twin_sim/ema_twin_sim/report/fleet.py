@@ -221,7 +221,7 @@ def _advice(unit: Unit, changed: Sequence[Outlook], leading: Sequence[Outlook], 
     ]
     told += [f"Find out why {number_words(look)} changes: {effect_words(look.history.owner)}." for look in changed[:3]]
     if health is not None and health.off:
-        told.append(health.off[-1].worst.words[-1])
+        told.append(health.off[-1].telling.words[-1])
     if health is not None and health.blind:
         told.append(f"Its health is not known now: {blind_words(health)}. {health.blind[-1].reason}")
     if unit.missing:

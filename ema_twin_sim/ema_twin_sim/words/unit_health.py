@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from ..health.judgement import changed_words
 from ..listing import number_of
 from ..quantities import estimate
 from .unit_results import DISTANCE, first_clause
@@ -125,5 +126,18 @@ def _change_words(test: JudgedTest) -> str:
     worst = test.worst
     if worst.detected is None:
         return " ".join(worst.words)
-    told = worst.words[len(worst.acquisition.findings) :]
-    return " ".join(told if worst.unknown else told[:1]) if test.detected else ""
+    if not test.detected:
+        return ""
+    said = changed_words(worst.changes)
+    why = worst.words[-1] if worst.unknown else ""
+    return f"{said[:1].upper()}{said[1:]}. {why}".rstrip()
+
+
+def naming_words(health: UnitHealth) -> str:
+    """How the fault family of the last test that deviates was found, and what to look at; empty if none deviates.
+
+    What no family explains is told with what changed.
+    """
+    if not health.off or health.off[-1].named is None:
+        return ""
+    return f"Test {health.off[-1].name}: {health.off[-1].telling.words[-1]}"
