@@ -110,14 +110,23 @@ class UnitHealth:
         return tuple(takewhile(lambda test: not test.judged, reversed(self.tests)))[::-1]
 
     @property
+    def unknown(self) -> bool:
+        """Whether it is not known how the unit is now, because no test, or not the last one, could be judged."""
+        return not self.tests or bool(self.blind)
+
+    @property
+    def conspicuous(self) -> bool:
+        """Whether somebody should look at the unit: a test deviates, or it is not known how it is now."""
+        return bool(self.off) or self.unknown
+
+    @property
     def severity(self) -> tuple[bool, bool, float, float]:
         """Sort key: whether the last judged test deviates, whether it is unknown how the unit is now, the share of the
         judged tests that deviate, and how far the last of these does.
         """
-        unknown = not self.tests or bool(self.blind)
         if not self.off:
-            return False, unknown, 0.0, 0.0
-        return bool(self.lasting), unknown, len(self.off) / len(self.judged), self.off[-1].worst.distance
+            return False, self.unknown, 0.0, 0.0
+        return bool(self.lasting), self.unknown, len(self.off) / len(self.judged), self.off[-1].worst.distance
 
     def as_json(self) -> dict[str, object]:
         """SI units."""

@@ -35,8 +35,13 @@ def show_units(
     health: Mapping[str, UnitHealth | None],
     most: int | None,
 ) -> None:
-    """Print one row for each unit, at most ``most``; columns of what was not looked for are left out."""
+    """Print one row for each unit, ``most`` and all whose health deviates or is not known.
+
+    Columns of what was not looked for are left out.
+    """
     columns = looked_for(units, ahead, health, _changed)
+    if most is not None:
+        most = max(most, sum(of is not None and of.conspicuous for of in health.values()))
     table = ReportTable(f"{_shown_of(len(units), most, 'unit')}, {order_words(units, health)}")
     table.words("unit")
     table.numbers("judged", "refused", "failed")
