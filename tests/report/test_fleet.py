@@ -128,7 +128,10 @@ def test_the_features_that_deviate_are_followed_over_the_tests(tmp_path):
     worn = [1.0] * 12 + [1.0 + 0.03 * day for day in range(1, 9)]
     units = units_of([*health_results("worn", worn, seed=4), *health_results("well", [1.0] * 20, seed=5)])
     health = {unit.name: unit_health(unit, Healthy(8)) for unit in units}
-    write_fleet(tmp_path / "fleet", sickest_first(units, health), {unit.name: [] for unit in units}, health)
+    written = []
+    ordered = sickest_first(units, health)
+    write_fleet(tmp_path / "fleet", ordered, {unit.name: [] for unit in units}, health, done=written.append)
+    assert written == ["worn", "well"]
     assert re.findall(r">(\w+)</a>", (tmp_path / "fleet" / "index.html").read_text()) == ["worn", "well"]
     page = (tmp_path / "fleet" / "units" / "worn.html").read_text()
     assert re.search(r"Friction: in the last test \d+ standard deviations above the healthy, rising by \d+", page)

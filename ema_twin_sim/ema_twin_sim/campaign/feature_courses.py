@@ -44,8 +44,10 @@ def _since_change(look: Outlook) -> Outlook:
     if len(of.values) - since <= FEWEST_HEALTHY:
         since = 0
     its = of.times[since:], of.values[since:], of.errors[since:]
-    trend = drift(*its)
-    return replace(look, trend=trend if trend.is_trend and not like_a_step(*its) else None)
+    if since:
+        later = drift(*its)
+        look = replace(look, trend=later if later.is_trend else None)
+    return look if look.trend is None or not like_a_step(*its) else replace(look, trend=None)
 
 
 def _deviating(test: JudgedTest) -> list[str]:

@@ -6,7 +6,7 @@ A unit's page follows ISO 13374: acquisition, the unit's state, its health, prog
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from urllib.parse import quote
 
@@ -55,15 +55,18 @@ def write_fleet(
     remarks: Sequence[str] = (),
     *,
     force: bool = False,
+    done: Callable[[str], None] = lambda unit: None,
 ) -> Path:
     """Write the pages; return the path of the one of all units, which says the remarks on several units.
 
+    ``done`` is called with each unit whose page is written.
     Raises InputError if it exists (without ``force``) or cannot be written.
     """
     overview = folder / "index.html"
     write_text(overview, _overview(units, ahead, health, remarks), force=force)
     for unit in units:
         write_text(folder / _UNITS / _file(unit), _unit(unit, ahead[unit.name], health[unit.name]), force=True)
+        done(unit.name)
     return overview
 
 

@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ..health.judgement import changed_words
 from ..listing import number_of
 from ..quantities import estimate
 from .unit_results import DISTANCE, first_clause
@@ -128,6 +127,8 @@ def _change_words(test: JudgedTest) -> str:
         return " ".join(worst.words)
     if not test.detected:
         return ""
+    from ..health.judgement import changed_words  # with all of scipy.stats: only if something is told
+
     said = changed_words(worst.changes)
     why = worst.words[-1] if worst.unknown else ""
     return f"{said[:1].upper()}{said[1:]}. {why}".rstrip()
