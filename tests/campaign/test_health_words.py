@@ -9,6 +9,7 @@ from ema_twin_sim.campaign.results import DONE
 from ema_twin_sim.campaign.unit_health import sickest_first, unit_health
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.health.acquisition import Acquisition, Extent
+from ema_twin_sim.report.fleet import write_fleet
 from ema_twin_sim.words.unit_health import health_words, naming_words
 from ema_twin_sim.words.unit_health import test_cells as cells_of
 from ema_twin_sim.words.unit_results import result_columns
@@ -90,6 +91,13 @@ def test_a_unit_whose_last_tests_could_not_be_judged_is_not_said_to_be_like_its_
     _, worn = judged({}, PLAY, {}, duration=12.0)
     assert "1 of 3 tests deviate, since day 13" in health_words(worn)
     assert health_words(worn).endswith(f"; its last test could not be judged ({reason})")
+
+
+def test_the_page_of_a_unit_that_was_not_judged_lately_advises_what_to_do(tmp_path):
+    unit, health = judged({}, {}, duration=12.0)
+    write_fleet(tmp_path, [unit], {"A": []}, {"A": health})
+    page = (tmp_path / "units" / "A.html").read_text()
+    assert "How it is now is not known. The duration is 12" in page and "Nothing to do" not in page
 
 
 def test_a_test_in_between_that_could_not_be_judged_is_counted():

@@ -21,7 +21,7 @@ from ..campaign.units import Unit
 from ..listing import number_of
 from ..quantities import estimate, quantity
 from ..words.sentences import effect_words
-from ..words.unit_health import TEST_HEAD, blind_words, course_words, feature_words, health_words, test_cells
+from ..words.unit_health import TEST_HEAD, course_words, feature_words, health_words, test_cells
 from ..words.unit_results import LAST_ERROR, NUMBERS, result_columns
 from ..words.units import (
     LAST_ERROR_IS,
@@ -226,7 +226,7 @@ def _advice(unit: Unit, changed: Sequence[Outlook], leading: Sequence[Outlook], 
     if health is not None and health.off:
         told.append(health.off[-1].telling.words[-1])
     if health is not None and health.blind:
-        told.append(f"Its health is not known now: {blind_words(health)}. {health.blind[-1].reason}")
+        told.append(f"How it is now is not known. {health.blind[-1].reason}")
     if unit.missing:
         told.append("Add what is missing to its model, and follow its numbers: campaign --do fit.")
     if unit.refused + unit.failed:
