@@ -213,8 +213,8 @@ def _by(change: Change) -> str:
     if not change.healthy > NEGLIGIBLE * abs(change.value):
         return f"is {change.value:.3g} {change.unit}, was {change.healthy:.3g} {change.unit}"
     share = 100.0 * (change.value / change.healthy - 1.0)
-    size = f"{abs(share):.0f}" if abs(share) >= 10.0 else f"{abs(share):.2g}"
-    return f"is {size}% {'above' if share > 0.0 else 'below'} the healthy"
+    whole = f"{abs(share):.0f}"
+    return f"is {whole if len(whole) > 1 else f'{abs(share):.2g}'}% {'above' if share > 0.0 else 'below'} the healthy"
 
 
 def _change(name: str, feature: Feature, baseline: Baseline, off: float) -> Change:
