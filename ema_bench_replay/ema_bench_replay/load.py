@@ -8,7 +8,8 @@ from pathlib import Path
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
-_TRACES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".log")  # by their names only: a binary one is refused as no text
+TRACES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".log")
+"""How the names of text traces end. A binary one is refused as no text."""
 
 
 def load(
@@ -35,7 +36,7 @@ def load(
 
         recording = read_bag(path if len(files) == 1 else files, progress=progress)
         return recording if recording.of_points else recording.from_zero()  # like traces and a live twin
-    if path.suffix.lower() in _TRACES:
+    if path.suffix.lower() in TRACES:
         from ema_bench_replay.traces.import_map import load_map
         from ema_bench_replay.traces.trace_csv import read_trace
 
@@ -54,7 +55,7 @@ def load_runs(path: str | Path | Sequence[Path], *, import_map: str | Path = "si
     Otherwise as ``load``.
     """
     file = Path(path) if isinstance(path, (str, Path)) else Path(path[0])
-    if file.suffix.lower() in _TRACES and file.is_file():
+    if file.suffix.lower() in TRACES and file.is_file():
         from ema_bench_replay.traces.import_map import load_map
 
         held = load_map(import_map)

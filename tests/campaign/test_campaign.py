@@ -30,6 +30,28 @@ class TestJobs:
         jobs = find_jobs(Grouping.of(folder, None, "recording"), COMPARE)
         assert [(job.unit, Path(job.name).suffix) for job in jobs] == [("A", ".CSV")] * 2 + [("B", ".CSV")] * 2
 
+    def test_links_to_the_folders_of_units_are_followed_but_not_in_circles(self, tmp_path):
+        (tmp_path / "store" / "EMA7" / "day").mkdir(parents=True)
+        put(tmp_path / "store" / "EMA7" / "day", "a.csv")
+        (tmp_path / "store" / "EMA7" / "day" / "back").symlink_to(tmp_path / "store" / "EMA7")
+        (tmp_path / "fleet").mkdir()
+        (tmp_path / "fleet" / "EMA7").symlink_to(tmp_path / "store" / "EMA7")
+        (job,) = find_jobs(Grouping.of(tmp_path / "fleet", None, "recording"), COMPARE)
+        assert (job.unit, job.name) == ("EMA7", "EMA7/day/a.csv")
+
+    def test_text_files_of_other_names_are_read_where_there_is_nothing_else(self, tmp_path):
+        told = []
+        put(tmp_path, "a.txt", "b.txt")
+        grouping = Grouping.of(tmp_path, None, "recording")
+        assert [job.name for job in find_jobs(grouping, COMPARE, tell=told.append)] == ["a.txt", "b.txt"]
+        put(tmp_path, "c.csv")
+        assert [job.name for job in find_jobs(grouping, COMPARE, tell=told.append)] == ["c.csv"]
+        assert told[0].endswith("holds no .csv or .mcap file; reading its 2 .txt files instead")
+        assert "leaving out its 2 .txt files beside 1 recording in .csv or .mcap files; rename those" in told[1]
+        put(tmp_path, "d.csv")
+        find_jobs(grouping, COMPARE, tell=told.append)
+        assert len(told) == 2  # a few notes beside the recordings are nothing to tell
+
     def test_a_pattern_tells_unit_and_time(self, tmp_path):
         put(tmp_path, "EMA7_2026-03-01.csv", "EMA8_2026-03-02.csv", "notes.csv")
         told = []

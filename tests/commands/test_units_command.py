@@ -76,6 +76,16 @@ def test_units_that_deviate_come_first_with_since_when(fleet):
     assert "tests deviate, all since" in rows[0] and "error left" not in told
 
 
+def test_all_units_that_deviate_are_shown(tmp_path):
+    store = Store.made(tmp_path / "r")
+    for unit in range(26):
+        worn = 12 if unit < 23 else 20
+        store.write(health_results(f"U{unit:02}", [1.0] * worn + [1.5] * (20 - worn), seed=unit))
+    told = printed(tmp_path / "r", "--healthy", "8")
+    shown = int(re.search(r"the first (\d+) of 26 units|26 units", told)[1] or 26)
+    assert shown >= 23 and {f"U{unit:02}" for unit in range(23)} <= {*re.findall(r"│(U\d+)", told)}
+
+
 def test_the_families_of_all_tests_add_up(fleet):
     first = " ".join(printed(fleet, "--healthy", "8").split())
     off = re.search(r"\((\d+) of 360 tests: ([^)]*)\)", first)

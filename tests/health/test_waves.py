@@ -37,7 +37,7 @@ def test_a_wave_is_told_in_percent_of_the_effort(turns):
 
 def test_that_the_strokes_are_too_short_for_the_wave_is_said_with_their_length():
     (said,) = run_features(run(0.1 * TURN), TURN).acquisition.findings
-    assert "the longest stroke is 0.07 times its wavelength of 6.28 rad" in said
+    assert "the longest stroke is 0.075 times its wavelength of 6.28 rad" in said
     assert run_features(run(20.0 * TURN), TURN).acquisition.findings == ()
 
 

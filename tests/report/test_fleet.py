@@ -128,7 +128,10 @@ def test_the_features_that_deviate_are_followed_over_the_tests(tmp_path):
     worn = [1.0] * 12 + [1.0 + 0.03 * day for day in range(1, 9)]
     units = units_of([*health_results("worn", worn, seed=4), *health_results("well", [1.0] * 20, seed=5)])
     health = {unit.name: unit_health(unit, Healthy(8)) for unit in units}
-    write_fleet(tmp_path / "fleet", sickest_first(units, health), {unit.name: [] for unit in units}, health)
+    written = []
+    ordered = sickest_first(units, health)
+    write_fleet(tmp_path / "fleet", ordered, {unit.name: [] for unit in units}, health, done=written.append)
+    assert written == ["worn", "well"]
     assert re.findall(r">(\w+)</a>", (tmp_path / "fleet" / "index.html").read_text()) == ["worn", "well"]
     page = (tmp_path / "fleet" / "units" / "worn.html").read_text()
     assert re.search(r"Friction: in the last test \d+ standard deviations above the healthy, rising by \d+", page)
@@ -144,8 +147,24 @@ def test_a_step_of_a_feature_that_stays_is_no_trend():
     assert look.history.name == "friction" and look.change is not None and look.trend is None
 
 
+@pytest.mark.parametrize("after", [1, 2, 3, 4, 6])
+def test_a_step_is_no_trend_however_few_tests_follow_it(after):
+    for seed in range(5):
+        (unit,) = units_of(health_results("A", [1.0] * (12 - after) + [1.2] * after, seed=seed))
+        (look,) = feature_courses(unit, unit_health(unit, Healthy(6)))
+        assert look.trend is None
+        assert "standard deviations above the healthy, without a trend since 2023" in course_words(look)
+
+
+def test_friction_that_rises_from_test_to_test_is_a_trend_before_it_has_many_tests():
+    (unit,) = units_of(health_results("A", [1.0] * 8 + [1.1, 1.2, 1.3, 1.4], seed=2))
+    (look,) = feature_courses(unit, unit_health(unit, Healthy(7)))
+    assert look.trend is not None and "rising by" in course_words(look)
+
+
 def test_without_dates_a_feature_has_no_trend():
-    rows = [{**row, "time": None} for row in health_results("A", [1.0] * 10 + [1.3] * 10, seed=7)]
+    its = health_results("A", [1.0] * 10 + [1.3] * 10, seed=7)
+    rows = [{**row, "time": None, "name": f"condition {k}"} for k, row in enumerate(its)]
     (unit,) = units_of(rows)
     (look,) = feature_courses(unit, unit_health(unit, Healthy(8)))
     assert look.change is None and look.trend is None and "trend" not in course_words(look)

@@ -9,7 +9,7 @@ from datetime import timedelta
 import numpy as np
 
 from ..criteria import SIGNIFICANT
-from ..health.drift import drift
+from ..health.drift import drift, like_a_step
 from .histories import FEWEST_HEALTHY, History, Outlook, outlook
 from .unit_health import JudgedTest, UnitHealth
 from .units import Unit
@@ -33,18 +33,21 @@ def feature_courses(unit: Unit, health: UnitHealth | None) -> list[Outlook]:
 
 
 def _since_change(look: Outlook) -> Outlook:
-    """With the trend of the tests since the change, if they are enough: a step that stays is no trend.
+    """With the trend of the tests since the change or, if these are few, of all, unless one step explains it as well.
 
     Without dates, tests stand in the order of their names, which may be conditions and not times: then there is none.
     """
     of = look.history
     if not of.dated:
         return replace(look, change=None, trend=None)
-    if look.change is None or len(of.values) - look.change.begin <= FEWEST_HEALTHY:
-        return look
-    since = slice(look.change.begin, None)
-    trend = drift(of.times[since], of.values[since], of.errors[since])
-    return replace(look, trend=trend if trend.is_trend else None)
+    since = 0 if look.change is None else look.change.begin
+    if len(of.values) - since <= FEWEST_HEALTHY:
+        since = 0
+    its = of.times[since:], of.values[since:], of.errors[since:]
+    if since:
+        later = drift(*its)
+        look = replace(look, trend=later if later.is_trend else None)
+    return look if look.trend is None or not like_a_step(*its) else replace(look, trend=None)
 
 
 def _deviating(test: JudgedTest) -> list[str]:

@@ -36,12 +36,14 @@ class Healthy:
     def among(self, names: Sequence[str], tests: Sequence[Hashable], fewest: int) -> list[bool]:
         """Whether each result is healthy, in the order of recording; by default ``fewest`` whole tests or more are.
 
-        A pattern may find fewer.
+        Of the first ``count`` results, the tests that they belong to are healthy as a whole: a test was set up once. A
+        pattern may find fewer.
         """
         if self.pattern is not None:
             return [bool(self.pattern.search(name)) for name in names]
         if self.count is not None:
-            return [k < self.count for k in range(len(names))]
+            first = {*tests[: self.count]}
+            return [test in first for test in tests]
         order = list(dict.fromkeys(tests))
         first = {*order[: max(fewest, len(order) // PART_OF_ALL)]}
         return [test in first for test in tests]

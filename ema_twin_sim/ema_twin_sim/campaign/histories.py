@@ -138,7 +138,7 @@ def _history(
     values, errors = (np.array([one[k] for one in its]) for k in (1, 2))
     if is_angle(f"{owner}.{name}"):  # a jump by a whole turn is no change
         values = np.unwrap(values)
-    dated = bool(np.isfinite(days).all() and (np.diff(days) > 0.0).all())
+    dated = bool(np.isfinite(days).all() and (np.diff(days) >= 0.0).all())
     flags = np.array(healthy.among(names, range(len(names)), FEWEST_HEALTHY))
     repeats = np.zeros(0)
     if dated and len(firsts := np.flatnonzero(np.diff(np.floor(days), prepend=-np.inf))) > FEWEST_HEALTHY:
@@ -146,6 +146,7 @@ def _history(
         days, values, errors = _by_day(firsts, days, values, errors)
         names = [names[first] for first in firsts]
         flags = np.logical_and.reduceat(flags, firsts)
+    dated = dated and bool((np.diff(days) > 0.0).all())
     as_asked = healthy == BY_DEFAULT or int(flags.sum()) >= FEWEST_HEALTHY
     if int(flags.sum()) < FEWEST_HEALTHY:
         first = BY_DEFAULT if healthy.pattern else Healthy(FEWEST_HEALTHY)

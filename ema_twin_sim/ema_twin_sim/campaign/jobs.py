@@ -14,7 +14,9 @@ from typing import NamedTuple
 
 from ema_bench_replay.bags.bag_parts import recordings_in
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.load import TRACES
 
+from ..listing import listed, number_of
 from ..model.model_file import model_files
 
 HEALTH = "health"
@@ -127,22 +129,47 @@ class Grouping:
 
 
 def find_recordings(folder: Path, skipped: Sequence[Path] = ()) -> Iterator[tuple[Path, ...]]:
-    """Yield the recordings below a folder in the order of their names: CSVs, .mcap files, bags, and the files of a
-    recording that a recorder has split.
+    """Yield the recordings below a folder in the order of their names: text traces, .mcap files, bags, and the files of
+    a recording that a recorder has split.
 
-    Hidden files and folders, and those ``skipped``, are left out.
+    Hidden files and folders, and those ``skipped``, are left out; links to folders are followed.
     """
     left_out = {path.resolve() for path in skipped}
-    for place, folders, files in os.walk(folder):
+    for place, folders, files in os.walk(folder, followlinks=True):
         here = Path(place)
-        folders[:] = sorted(f for f in folders if not f.startswith(".") and (here / f).resolve() not in left_out)
+        around = {here.resolve(), *here.resolve().parents}  # a link back to one of these would never end
+        folders[:] = sorted(
+            f for f in folders if not f.startswith(".") and (here / f).resolve() not in left_out | around
+        )
         if "metadata.yaml" in files and any(file.endswith(".mcap") for file in files):
             folders.clear()
             yield (here,)
             continue
         shown = [here / file for file in sorted(files) if not file.startswith(".")]
         bags = recordings_in([file for file in shown if file.suffix == ".mcap"])
-        yield from sorted([*bags, *((file,) for file in shown if file.suffix.lower() == ".csv")])
+        yield from sorted([*bags, *((file,) for file in shown if file.suffix.lower() in TRACES)])
+
+
+def _found(folder: Path, skipped: Sequence[Path], tell: Callable[[str], None]) -> list[tuple[Path, ...]]:
+    """The recordings of a folder; the text files of other names than .csv only if it holds nothing else.
+
+    Raises InputError if it holds none.
+    """
+    every = [*find_recordings(folder, skipped)]
+    others = [parts for parts in every if parts[0].suffix.lower() in TRACES[1:] and parts[0].is_file()]
+    found = [parts for parts in every if parts[0].suffix.lower() not in TRACES[1:] or parts[0].is_dir()]
+    if not found and not others:
+        raise InputError(f"{folder}: holds no recording; give a folder with CSVs or .mcap files in it")
+    kinds = listed(sorted({parts[0].suffix.lower() for parts in others})) if others else ""
+    if not found:
+        tell(f"{folder}: holds no .csv or .mcap file; reading its {number_of(len(others), f'{kinds} file')} instead")
+        return others
+    if len(others) > len(found):
+        tell(
+            f"{folder}: leaving out its {number_of(len(others), f'{kinds} file')} beside "
+            f"{number_of(len(found), 'recording')} in .csv or .mcap files; rename those that are recordings to .csv"
+        )
+    return found
 
 
 def find_jobs(
@@ -156,7 +183,7 @@ def find_jobs(
     strays: list[Path] = []
     no_times: list[InputError] = []
     count = 0
-    for parts in find_recordings(grouping.folder, skipped):
+    for parts in _found(grouping.folder, skipped, tell):
         count += 1
         try:
             place = grouping.place(parts[0])
@@ -167,8 +194,6 @@ def find_jobs(
             strays.append(parts[0])
             continue
         of.setdefault((place.unit, grouping.group(parts[0], place.unit)), []).append((parts, place))
-    if not count:
-        raise InputError(f"{grouping.folder}: holds no recording; give a folder with CSVs or .mcap files in it")
     if len(strays) == count:
         raise InputError(
             f"none of {count} recordings in {grouping.folder} matches --unit; the first is {strays[0].name}; correct "

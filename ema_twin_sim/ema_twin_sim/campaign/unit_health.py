@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 from typing import Any
@@ -13,6 +13,7 @@ from ..health.baseline import FEWEST_TESTS, Baseline, learn_from
 from ..health.families import Family, Ranked
 from ..health.judgement import HealthJudgement, judge_run, named_together
 from ..health.run_features import RunFeatures, same_motion
+from ..listing import first_of
 from .health_rows import run_of
 from .healthy import Healthy
 from .results import DONE
@@ -53,6 +54,18 @@ class JudgedTest:
         """The recording that is farthest from the healthy ones."""
         return max(self.runs, key=lambda run: -1.0 if run.detected is None else run.distance)
 
+    @property
+    def telling(self) -> HealthJudgement:
+        """The farthest of the recordings with the family that all of them give together; of all if none has it."""
+        named = self.named
+        held = [run for run in self.runs if run.detected and named is not None and run.family is named.family]
+        return max(held, key=lambda run: run.distance, default=self.worst)
+
+    @property
+    def reason(self) -> str:
+        """Why none of its recordings could be judged; empty if one could."""
+        return self.runs[-1].words[-1] if not self.judged else ""
+
     def as_json(self) -> dict[str, object]:
         """Absent numbers are null."""
         named = self.named
@@ -84,15 +97,36 @@ class UnitHealth:
     @property
     def lasting(self) -> tuple[JudgedTest, ...]:
         """The deviating tests at the end, since the last one that was like the healthy ones; empty if that is last."""
-        judged = [test for test in self.tests if test.judged]
-        return tuple(takewhile(lambda test: test.deviates, reversed(judged)))[::-1]
+        return tuple(takewhile(lambda test: test.deviates, reversed(self.judged)))[::-1]
 
     @property
-    def severity(self) -> tuple[bool, float, float]:
-        """Sort key: whether the last test deviates, the share of tests that do, and how far the last of these does."""
+    def judged(self) -> tuple[JudgedTest, ...]:
+        """The tests that could be judged."""
+        return tuple(test for test in self.tests if test.judged)
+
+    @property
+    def blind(self) -> tuple[JudgedTest, ...]:
+        """The tests at the end that could not be judged, since the last one that could; empty if that is last."""
+        return tuple(takewhile(lambda test: not test.judged, reversed(self.tests)))[::-1]
+
+    @property
+    def unknown(self) -> bool:
+        """Whether it is not known how the unit is now, because no test, or not the last one, could be judged."""
+        return not self.tests or bool(self.blind)
+
+    @property
+    def conspicuous(self) -> bool:
+        """Whether somebody should look at the unit: a test deviates, or it is not known how it is now."""
+        return bool(self.off) or self.unknown
+
+    @property
+    def severity(self) -> tuple[bool, bool, float, float]:
+        """Sort key: whether the last judged test deviates, whether it is unknown how the unit is now, the share of the
+        judged tests that deviate, and how far the last of these does.
+        """
         if not self.off:
-            return False, 0.0, 0.0
-        return bool(self.lasting), len(self.off) / len(self.tests), self.off[-1].worst.distance
+            return False, self.unknown, 0.0, 0.0
+        return bool(self.lasting), self.unknown, len(self.off) / len(self.judged), self.off[-1].worst.distance
 
     def as_json(self) -> dict[str, object]:
         """SI units."""
@@ -107,6 +141,7 @@ class UnitHealth:
                 for one in self.baselines
             ],
             "since": self.lasting[0].name if self.lasting else None,
+            "not_judged_since": self.blind[0].name if self.blind else None,
             "tests": [test.as_json() for test in self.tests],
             "remarks": list(self.remarks),
         }
@@ -134,7 +169,8 @@ def learnt_from(runs: Sequence[RunFeatures]) -> Learnt:
         try:
             baseline = learn_from(kind)
         except InputError as error:
-            remarks.append(f"{kind[0].name} and {len(kind) - 1} others cannot be the healthy reference: {error}")
+            these = first_of([run.name for run in kind])
+            remarks.append(f"{these} cannot be the healthy reference: {error}")
             continue
         learnt.append((kind[0], baseline))
         remarks += baseline.warnings
@@ -165,16 +201,27 @@ def unit_health(unit: Unit, healthy: Healthy) -> UnitHealth | None:
     acquisition = dict.fromkeys(
         finding for run in runs if run.features is not None for finding in run.acquisition.findings
     )
+    remarks = (*learnt.remarks, *_alone(unit, runs), *acquisition)
     if not learnt.kinds:
-        return UnitHealth((), (), (), (*learnt.remarks, *acquisition))
+        return UnitHealth((), (), (), remarks)
     tests = _judged(learnt, (run for run, flag in zip(runs, flags, strict=True) if not flag))
     reference = (run for run, flag in zip(runs, flags, strict=True) if flag)
     return UnitHealth(
         tuple(baseline for _, baseline in learnt.kinds),
         tests,
         _judged(learnt, reference) if any(test.deviates for test in tests) else (),
-        (*learnt.remarks, *acquisition),
+        remarks,
     )
+
+
+def _alone(unit: Unit, runs: Sequence[RunFeatures]) -> Iterator[str]:
+    """Yield a remark if recordings count as tests of their own because nothing tells which belong together."""
+    undated = {row["name"] for row in unit.rows if row["time"] is None}
+    if sum(run.test == run.name for run in runs if run.name in undated) > 1:
+        yield (
+            "its recordings tell neither a date nor a test (what was set up once), so each counts as a test of its "
+            "own; if several belong to one, put these into a folder, or name it by (?P<test>...) in campaign --unit"
+        )
 
 
 def _judged(learnt: Learnt, runs: Iterable[RunFeatures]) -> tuple[JudgedTest, ...]:
@@ -186,11 +233,14 @@ def _judged(learnt: Learnt, runs: Iterable[RunFeatures]) -> tuple[JudgedTest, ..
 
 
 def sickest_first(units: Iterable[Unit], health: Mapping[str, UnitHealth | None]) -> list[Unit]:
-    """Units by their health, those whose last test deviates first; in their order where health says nothing else."""
+    """Units by their health, those whose last judged test deviates first, then those that were not judged lately.
 
-    def severity(unit: Unit) -> tuple[bool, float, float]:
+    They stay in their order where health says nothing else.
+    """
+
+    def severity(unit: Unit) -> tuple[bool, bool, float, float]:
         of = health[unit.name]
-        return (False, 0.0, 0.0) if of is None else of.severity
+        return (False, False, 0.0, 0.0) if of is None else of.severity
 
     return sorted(units, key=severity, reverse=True)
 

@@ -11,6 +11,7 @@ from itertools import groupby, pairwise
 from typing import Any
 
 from ..listing import listed
+from .dates import dated, has_time_of_day
 from .results import DONE, FAILED, REFUSED
 
 Row = Mapping[str, Any]
@@ -88,10 +89,13 @@ class Unit:
 
 
 def units_of(rows: Iterable[Row]) -> list[Unit]:
-    """The units of rows that are sorted by unit; the unit with the largest error in times its noise first."""
+    """The units of rows that are sorted by unit; the unit with the largest error in times its noise first.
+
+    A row without a time has the date that its name holds.
+    """
     units = []
     for name, its in groupby(rows, key=lambda row: row["unit"]):
-        of = tuple(sorted(its, key=_when))
+        of = tuple(sorted(map(dated, its), key=_when))
         units.append(Unit(name, of, tuple(_remarks(of))))
     return sorted(units, key=lambda unit: (-(unit.beyond_noise or 0.0), unit.name))
 
@@ -125,14 +129,15 @@ def _remarks(rows: Sequence[Row]) -> Iterable[str]:
             first = first_of.setdefault(content, row["name"])
             if first != row["name"]:
                 yield f"{row['name']} is a copy of {first}: it counts twice; remove one"
-    dated = sorted((row for row in done if row["time"] is not None), key=lambda row: row["time"])
-    for before, after in pairwise(dated):
+    timed = [row for row in done if row["time"] is not None]
+    clocked = sorted((row for row in timed if has_time_of_day(row["time"])), key=lambda row: row["time"])
+    for before, after in pairwise(clocked):
         overlap = before["duration"] - (after["time"] - before["time"]).total_seconds()
         single = len(before["content"] or ()) == len(after["content"] or ()) == 1  # of several, the last one's time
         if overlap > 0.0 and single and before["task"] == after["task"] and before["content"] != after["content"]:
             yield f"{after['name']} begins before {before['name']} ends: one of their clocks is wrong"
             break
-    if dated and len(dated) < len(done):
-        yield f"{len(done) - len(dated)} of {len(done)} results have no date; they are sorted by name"
+    if timed and len(timed) < len(done):
+        yield f"{len(done) - len(timed)} of {len(done)} results have no date; they are sorted by name"
     if len({content for row in done for content in row["content"] or ()}) == 1:
         yield "has only one recording, so changes cannot be detected"

@@ -9,18 +9,16 @@ from rich.markup import escape
 
 from ..listing import number_of
 from ..quantities import estimate, quantity
-from ..words.unit_health import MONTH, TEST_HEAD, course_words, test_cells
+from ..words.unit_health import MONTH, TEST_HEAD, course_words, naming_words, test_cells
+from ..words.unit_results import LAST_ERROR, NUMBERS, result_columns
 from ..words.units import (
-    LAST_ERROR,
     LAST_ERROR_IS,
-    RESULT_HEAD,
     change_of,
     life_words,
     looked_for,
     moving_words,
     number_words,
     order_words,
-    result_cells,
 )
 from .output import console, say
 from .tables import ReportTable
@@ -37,8 +35,13 @@ def show_units(
     health: Mapping[str, UnitHealth | None],
     most: int | None,
 ) -> None:
-    """Print one row for each unit, at most ``most``; columns of what was not looked for are left out."""
+    """Print one row for each unit, ``most`` and all whose health deviates or is not known.
+
+    Columns of what was not looked for are left out.
+    """
     columns = looked_for(units, ahead, health, _changed)
+    if most is not None:
+        most = max(most, sum(of is not None and of.conspicuous for of in health.values()))
     table = ReportTable(f"{_shown_of(len(units), most, 'unit')}, {order_words(units, health)}")
     table.words("unit")
     table.numbers("judged", "refused", "failed")
@@ -75,14 +78,14 @@ def _shown_of(count: int, most: int | None, one: str, which: str = "first") -> s
     return f"the {which} {most} of {number_of(count, one)} (--all shows all)"
 
 
-def show_recordings(one: Unit, most: int | None) -> None:
+def show_recordings(one: Unit, health: UnitHealth | None, most: int | None) -> None:
     """Print the results of a unit, at most the last ``most``."""
     table = ReportTable(f"\n{one.name}: {_shown_of(len(one.rows), most, 'result', 'last')}")
-    table.words(*RESULT_HEAD[:5])
-    table.numbers(RESULT_HEAD[5])
-    table.words(RESULT_HEAD[6])
-    for row in one.rows[-most if most else 0 :]:
-        table.add_row(*map(escape, result_cells(one, row)))
+    columns = result_columns(one, health)
+    for heading in columns:
+        table.numbers(heading) if heading in NUMBERS else table.words(heading)
+    for cells in list(zip(*columns.values(), strict=True))[-most if most else 0 :]:
+        table.add_row(*map(escape, cells))
     console.print(table)
 
 
@@ -108,6 +111,8 @@ def show_health(health: UnitHealth | None, courses: Sequence[Outlook], most: int
         table.add_row(*map(escape, test_cells(test)))
     console.print(table)
     say("Distance: the largest distance from the healthy recordings, in times the limit.")
+    if named := naming_words(health):
+        say(named)
     for look in courses:
         said = course_words(look)
         say(f"{said[:1].upper()}{said[1:]}.")

@@ -12,7 +12,7 @@ import typer
 from ..listing import by_recording, number_of
 from ..words.units import fleet_words, unit_words
 from . import options
-from .output import say, warn
+from .output import counted, say, warn
 from .rerun_file import check_rrd_name, tell_of_rrd
 from .shown_units import show_health, show_numbers, show_recordings, show_units
 
@@ -106,8 +106,13 @@ def run(
                 f"{results}: holds no unit '{unit}'; {nearest(unit, names)} (all: ema-twin units {quote(str(results))})"
             )
     short = [] if healthy is None else check_choice(found, known_good, healthy, FEWEST_HEALTHY)
-    ahead = {one.name: outlooks(one, of_numbers, known_good) for one in found}
-    health = {one.name: unit_health(one, known_good) for one in found}
+    ahead: dict[str, list[Outlook]] = {}
+    health: dict[str, UnitHealth | None] = {}
+    with counted(len(found), "comparing with the healthy results") as done:
+        for one in found:
+            ahead[one.name] = outlooks(one, of_numbers, known_good)
+            health[one.name] = unit_health(one, known_good)
+            done(one.name)
     found = sickest_first(found, health)
     followed = tuple(dict.fromkeys(look.history.path for looks in ahead.values() for look in looks))
     for path in (path for path in of_numbers if path not in followed):
@@ -118,7 +123,7 @@ def run(
         say(f"{unit}: {' '.join(unit_words(found[0], ahead[unit], health[unit]))}")
         show_health(health[unit], feature_courses(found[0], health[unit]), most)
         show_numbers(ahead[unit], most)
-        show_recordings(found[0], most)
+        show_recordings(found[0], health[unit], most)
     else:
         say(f"{number_of(len(found), 'unit')}: {fleet_words(found, ahead, health)}")
         show_units(found, ahead, health, most)
@@ -143,7 +148,8 @@ def run(
     if page is not None:
         from ..report.fleet import write_fleet
 
-        overview = write_fleet(page, found, ahead, health, copies, force=force)
+        with counted(len(found), "writing pages") as done:
+            overview = write_fleet(page, found, ahead, health, copies, force=force, done=done)
         say(f"{overview}: open it in any browser")
     write_json(json, [_json(one, ahead[one.name], health[one.name]) for one in found])
 

@@ -11,10 +11,11 @@ for one further observation.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,8 +27,9 @@ class Prediction:
     within: np.ndarray  # (p, p) covariance of single runs about the mean of their test
     tests: int
     runs: int
+    _parts: dict[tuple[int, ...], Prediction] = field(default_factory=dict, repr=False)
 
-    @property
+    @cached_property
     def covariance(self) -> np.ndarray:
         """Covariance (p, p) of one more run about the mean, with the mean's own error."""
         return self.between * (1.0 + 1.0 / self.tests) + self.within
@@ -37,7 +39,7 @@ class Prediction:
         """Standard deviations (p,)."""
         return np.sqrt(np.diag(self.covariance))
 
-    @property
+    @cached_property
     def degrees_of_freedom(self) -> float:
         """Degrees of freedom of the covariance, by Nel and van der Merwe."""
         inverse = np.linalg.inv(self.between + self.within)
@@ -50,15 +52,22 @@ class Prediction:
         return (count + count**2) / used
 
     def part(self, which: Sequence[int]) -> Prediction:
-        """The prediction of some of the features."""
-        rows = list(which)
-        square = np.ix_(rows, rows)
-        return replace(self, mean=self.mean[rows], between=self.between[square], within=self.within[square])
+        """The prediction of some of the features; the same one each time, since it knows what it has computed."""
+        rows = tuple(which)
+        if rows not in self._parts:
+            square = np.ix_(rows, rows)
+            mean, between, within = self.mean[list(rows)], self.between[square], self.within[square]
+            self._parts[rows] = Prediction(mean, between, within, self.tests, self.runs)
+        return self._parts[rows]
 
     def distance(self, values: np.ndarray) -> float:
         """Squared distance (Mahalanobis) of p values."""
         off = values - self.mean
-        return float(off @ np.linalg.solve(self.covariance, off))
+        return float(off @ self._inverse @ off)
+
+    @cached_property
+    def _inverse(self) -> np.ndarray:
+        return np.linalg.inv(self.covariance)
 
     def tail(self, values: np.ndarray, freedom: float | None = None) -> float:
         """Natural logarithm of the probability that a healthy run is as far off; 0 if there are too few tests.
@@ -70,7 +79,8 @@ class Prediction:
         left = freedom - count + 1.0
         if left <= 0.0:
             return 0.0
-        return float(stats.f.logsf(self.distance(values) * left / (count * freedom), count, left))
+        with np.errstate(divide="ignore"):  # farther off than numbers can tell
+            return float(np.log(special.fdtrc(count, left, self.distance(values) * left / (count * freedom))))
 
 
 def predict(values: np.ndarray, tests: Sequence[str]) -> Prediction:

@@ -134,6 +134,25 @@ def drift(times: np.ndarray, values: np.ndarray, errors: np.ndarray) -> Drift:
     return _kept(times, law.of(which), weights, fits, covariances, steps, freedom, is_trend=True)
 
 
+def like_a_step(times: np.ndarray, values: np.ndarray, errors: np.ndarray) -> bool:
+    """Whether one step explains values (n,) with standard errors (n,) as well as steady growth from some onset on.
+
+    A step that stays is no trend, and few values after it do not tell it from wear.
+    """
+    steps = [(times >= begin).astype(float) for begin in times[1:]]
+    growths = [np.maximum(0.0, times - onset) for onset in times[:-1]]
+    step, growth = (min(_misfit(shape, values, errors) for shape in shapes) for shapes in (steps, growths))
+    widened, _ = inflation(growth, max(len(values) - 3, 0))
+    return step - growth < (CONTRADICTED * widened) ** 2
+
+
+def _misfit(shape: np.ndarray, values: np.ndarray, errors: np.ndarray) -> float:
+    """Sum of squares, in standard errors, that a level and a multiple of a shape (n,) leave of values (n,)."""
+    columns = np.column_stack([np.ones_like(shape), shape]) / errors[:, None]
+    fit = np.linalg.lstsq(columns, values / errors, rcond=None)[0]
+    return float(np.sum((values / errors - columns @ fit) ** 2))
+
+
 def _filtered(
     law: Law, steps: np.ndarray, times: np.ndarray, values: np.ndarray, errors: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

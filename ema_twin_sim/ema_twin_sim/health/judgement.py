@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..criteria import CONTRADICTED, LIKELY, NEGLIGIBLE, PART, SIGNIFICANT
+from ..listing import listed
 from .acquisition import Acquisition
 from .baseline import Baseline, tails
 from .comparable import not_comparable
@@ -181,23 +182,39 @@ def _unexplained(ranked: tuple[Ranked, ...], changes: Mapping[str, float]) -> st
 
 
 def _words(changes: tuple[Change, ...], detected: bool, baseline: Baseline) -> tuple[str, ...]:
-    """Sentences on what changed, the largest change first."""
-    told = sorted((c for c in changes if c.name in _WORDS), key=lambda c: -abs(c.standard_deviations))
+    """What changed, the largest change first, in a sentence."""
     if not detected:
         return (f"Healthy: like the {baseline.runs} recordings of {baseline.tests} tests that it is compared with.",)
-    shown = [c for c in told if abs(c.standard_deviations) > LIKELY][:3]
+    shown = _shown(changes)
+    sure = ""
+    if shown and abs(shown[0].standard_deviations) > CONTRADICTED:
+        sure = ", clearly"
+    elif shown:
+        sure = ", in several features together" if len(shown) > 1 else ", most in one feature"
+    return (f"It differs from the healthy recordings{sure}: {changed_words(changes)}.",)
+
+
+def changed_words(changes: Sequence[Change]) -> str:
+    """What changed most in a run that was called off, the largest change first, without a full stop."""
+    shown = _shown(changes)
     if not shown:
-        return ("It differs from the healthy recordings: the wave that repeats with the position has shifted.",)
-    parts = [f"{_WORDS[c.name]} {_by(c)} ({c.standard_deviations:+.1f} standard deviations)" for c in shown]
-    sure = "clearly" if abs(shown[0].standard_deviations) > CONTRADICTED else "in several features together"
-    return (f"It differs from the healthy recordings, {sure}: {'; '.join(parts)}.",)
+        return "the wave that repeats with the position has shifted"
+    by = listed(f"{change.standard_deviations:+.1f}" for change in shown)
+    return f"{'; '.join(f'{_WORDS[change.name]} {_by(change)}' for change in shown)} ({by} standard deviations)"
+
+
+def _shown(changes: Sequence[Change]) -> list[Change]:
+    """The largest changes that are likely more than chance, three at most."""
+    told = sorted((c for c in changes if c.name in _WORDS), key=lambda c: -abs(c.standard_deviations))
+    return [c for c in told if abs(c.standard_deviations) > LIKELY][:3]
 
 
 def _by(change: Change) -> str:
     if not change.healthy > NEGLIGIBLE * abs(change.value):
         return f"is {change.value:.3g} {change.unit}, was {change.healthy:.3g} {change.unit}"
-    share = change.value / change.healthy - 1.0
-    return f"is {abs(share):.0%} {'above' if share > 0.0 else 'below'} the healthy"
+    share = 100.0 * (change.value / change.healthy - 1.0)
+    whole = f"{abs(share):.0f}"
+    return f"is {whole if len(whole) > 1 else f'{abs(share):.2g}'}% {'above' if share > 0.0 else 'below'} the healthy"
 
 
 def _change(name: str, feature: Feature, baseline: Baseline, off: float) -> Change:

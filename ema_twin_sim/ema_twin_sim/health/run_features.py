@@ -53,7 +53,7 @@ def _too_short(phases: Phases, record: MotionRecord, wavelength: float) -> str:
     longest = max(float(np.ptp(record.position[stroke.steady])) for stroke in strokes)
     return (
         "The wave that repeats with the position is not judged: the longest stroke is "
-        f"{longest / wavelength:.1g} times its wavelength of {wavelength:.3g} {record.position_unit}. Record longer "
+        f"{longest / wavelength:.2g} times its wavelength of {wavelength:.3g} {record.position_unit}. Record longer "
         "strokes, or correct the wavelength."
     )
 

@@ -6,7 +6,7 @@ A unit's page follows ISO 13374: acquisition, the unit's state, its health, prog
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from urllib.parse import quote
 
@@ -22,10 +22,9 @@ from ..listing import number_of
 from ..quantities import estimate, quantity
 from ..words.sentences import effect_words
 from ..words.unit_health import TEST_HEAD, course_words, feature_words, health_words, test_cells
+from ..words.unit_results import LAST_ERROR, NUMBERS, result_columns
 from ..words.units import (
-    LAST_ERROR,
     LAST_ERROR_IS,
-    RESULT_HEAD,
     change_of,
     counts_words,
     fleet_words,
@@ -35,7 +34,6 @@ from ..words.units import (
     moving_words,
     number_words,
     order_words,
-    result_cells,
 )
 from .history_chart import history_chart
 from .markup import Markup, capitalised, items, joined, section, table, tag
@@ -57,15 +55,18 @@ def write_fleet(
     remarks: Sequence[str] = (),
     *,
     force: bool = False,
+    done: Callable[[str], None] = lambda unit: None,
 ) -> Path:
     """Write the pages; return the path of the one of all units, which says the remarks on several units.
 
+    ``done`` is called with each unit whose page is written.
     Raises InputError if it exists (without ``force``) or cannot be written.
     """
     overview = folder / "index.html"
     write_text(overview, _overview(units, ahead, health, remarks), force=force)
     for unit in units:
         write_text(folder / _UNITS / _file(unit), _unit(unit, ahead[unit.name], health[unit.name]), force=True)
+        done(unit.name)
     return overview
 
 
@@ -109,7 +110,8 @@ def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> st
     courses = feature_courses(unit, health)
     of_model = [] if _health_alone(unit) else _of_model(unit, looks, changed)
     leading = [look for look in looks if look.life is not None or look.trend is not None]
-    rows = [result_cells(unit, row) for row in unit.rows]
+    results = result_columns(unit, health)
+    words = tuple(k for k, heading in enumerate(results) if heading not in NUMBERS)
     parts = (
         tag("h1", unit.name),
         tag("p", tag("a", "all units", href="../index.html")),
@@ -133,7 +135,7 @@ def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> st
             _prognosis(unit, leading, courses),
         ),
         section("advice", "Advice", items(*_advice(unit, changed, leading, health))),
-        section("results", "Results", table(RESULT_HEAD, rows, words=(0, 1, 2, 3, 4, 6))),
+        section("results", "Results", table(tuple(results), zip(*results.values(), strict=True), words=words)),
     )
     return whole_page(unit.name, joined(parts))
 
@@ -222,7 +224,9 @@ def _advice(unit: Unit, changed: Sequence[Outlook], leading: Sequence[Outlook], 
     ]
     told += [f"Find out why {number_words(look)} changes: {effect_words(look.history.owner)}." for look in changed[:3]]
     if health is not None and health.off:
-        told.append(health.off[-1].worst.words[-1])
+        told.append(health.off[-1].telling.words[-1])
+    if health is not None and health.blind:
+        told.append(f"How it is now is not known. {health.blind[-1].reason}")
     if unit.missing:
         told.append("Add what is missing to its model, and follow its numbers: campaign --do fit.")
     if unit.refused + unit.failed:

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 from ..listing import number_of
 from ..quantities import estimate
+from .unit_results import DISTANCE, first_clause
 
 if TYPE_CHECKING:
     from ..campaign.histories import Outlook
     from ..campaign.unit_health import JudgedTest, UnitHealth
 
-TEST_HEAD = ("test", "deviating", "distance / limit", "fault family", "what changed")
+TEST_HEAD = ("test", "deviating", DISTANCE, "fault family", "what changed")
 """Headings of a unit's tests, compared with its healthy ones."""
 MONTH = 30.0  # days
 _SHOWN = 3
@@ -28,13 +29,30 @@ def health_words(health: UnitHealth | None) -> str:
     if health is None:
         return ""
     if not health.baselines:
-        return "not judged"
+        return f"not judged: {first_clause(health.remarks[0])}" if health.remarks else "not judged"
     if not health.tests:
         return "not judged: all its tests are healthy ones"
+    left, others = len(health.tests) - len(health.judged), number_of(len(health.judged), "other")
     if not health.off:
-        return f"like its healthy tests ({number_of(len(health.tests), 'other')})"
-    last = health.off[-1]
-    return f"{len(health.off)} of {len(health.tests)} tests deviate, {_when_words(health)}: {_named_words(last)}"
+        if health.blind:
+            return f"{blind_words(health)}{f'; before, like its healthy tests ({others})' if health.judged else ''}"
+        return f"like its healthy tests ({others}{f'; {left} could not be judged' if left else ''})"
+    told = (
+        f"{len(health.off)} of {len(health.tests)} tests deviate, {_when_words(health)}: {_named_words(health.off[-1])}"
+    )
+    return f"{told}; {blind_words(health)}" if health.blind else told
+
+
+def blind_words(health: UnitHealth) -> str:
+    """How many of a unit's last tests could not be judged, and why the last one could not; empty if it could."""
+    blind = health.blind
+    if not blind:
+        return ""
+    if len(blind) == len(health.tests):
+        which = f"none of its {number_of(len(blind), 'test')} could"
+    else:
+        which = f"its last {number_of(len(blind), 'test') if len(blind) > 1 else 'test'} could not"
+    return f"{which} be judged ({first_clause(blind[-1].reason)})"
 
 
 def _when_words(health: UnitHealth) -> str:
@@ -73,7 +91,8 @@ def course_words(look: Outlook) -> str:
         f"{'above' if last > 0.0 else 'below'} the healthy"
     )
     if trend is None:
-        return f"{told}, without a trend" if of.dated else told
+        since = f" since {of.names[look.change.begin]}" if look.change else ""
+        return f"{told}, without a trend{since}" if of.dated else told
     slope = estimate(abs(trend.slope) * MONTH, trend.slope_error * MONTH, "1")
     return f"{told}, {'rising' if trend.slope > 0.0 else 'falling'} by {slope} a month"
 
@@ -86,7 +105,8 @@ def feature_words(look: Outlook) -> str:
 def test_cells(test: JudgedTest) -> tuple[str, ...]:
     """One of a unit's tests, below ``TEST_HEAD``."""
     distance = f"{test.worst.distance:.1f} ×" if test.judged else ""
-    return test.name, f"{test.detected}/{test.judged}", distance, _named_words(test), _change_words(test)
+    counts = f"{test.detected}/{test.judged}" if test.judged else "not judged"
+    return test.name, counts, distance, _named_words(test), _change_words(test)
 
 
 def _named_words(test: JudgedTest) -> str:
@@ -100,10 +120,25 @@ def _named_words(test: JudgedTest) -> str:
 def _change_words(test: JudgedTest) -> str:
     """What changed in the recording of a test that is farthest from the healthy ones, or why it could not be judged.
 
-    If no family of damage explains it, why.
+    If no family of damage explains all of them together, why none explains that one.
     """
     worst = test.worst
     if worst.detected is None:
         return " ".join(worst.words)
-    told = worst.words[len(worst.acquisition.findings) :]
-    return " ".join(told if worst.unknown else told[:1]) if test.detected else ""
+    if not test.detected:
+        return ""
+    from ..health.judgement import changed_words  # with all of scipy.stats: only if something is told
+
+    said = changed_words(worst.changes)
+    why = worst.words[-1] if worst.unknown and test.named is None else ""
+    return f"{said[:1].upper()}{said[1:]}. {why}".rstrip()
+
+
+def naming_words(health: UnitHealth) -> str:
+    """How the fault family of the last test that deviates was found, and what to look at; empty if none deviates.
+
+    What no family explains is told with what changed.
+    """
+    if not health.off or health.off[-1].named is None:
+        return ""
+    return f"Test {health.off[-1].name}: {health.off[-1].telling.words[-1]}"

@@ -5,29 +5,26 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..criteria import MOSTLY
 from ..listing import number_of
 from ..quantities import quantity
 from .sentences import effect_words
-from .unit_health import family_words, health_words, tests_words
+from .unit_health import blind_words, family_words, health_words, tests_words
+from .unit_results import LAST_ERROR
 
 if TYPE_CHECKING:
     from ..campaign.histories import Outlook
     from ..campaign.unit_health import UnitHealth
     from ..campaign.units import Unit
 
-LAST_ERROR = "error left / noise"
-"""Heading of the largest error of a unit's last result, in times the sensors' noise."""
 LAST_ERROR_IS = (
     f"{LAST_ERROR.capitalize()}: the largest error of a signal in the last recording that was judged, in times the "
     "sensors' noise: what is left once the missing effects are added and the numbers refitted (after campaign --do "
     "compare, the error of the model as it is)."
 )
 """Explains that column: a unit that lacks an effect may have no more error left than a healthy one."""
-RESULT_HEAD = ("recording", "recorded", "task", "verdict", "missing", "error left / noise", "reason")
-"""Headings of a unit's results; the error is in times the sensors' noise."""
 _SHOWN = 3
 """Number of a unit's effects that are named."""
 
@@ -84,6 +81,8 @@ def fleet_words(
     if judged := [of for of in health.values() if of is not None and of.tests]:
         off = sum(bool(of.off) for of in judged)
         told.append(f"{off} with tests that deviate from their healthy ones ({tests_words(judged, 'tests')})")
+        if blind := sum(bool(of.blind) for of in judged):
+            told.append(f"{blind} whose last test could not be judged")
     elif any(health.values()):
         told.append("none could be compared with healthy recordings of its own")
     refused = sum(unit.refused + unit.failed for unit in units)
@@ -99,7 +98,10 @@ def fleet_words(
 def order_words(units: Sequence[Unit], health: Mapping[str, UnitHealth | None]) -> str:
     """By what the units are sorted."""
     if any(health.values()):
-        return "those whose last test deviates first, then by their share of deviating tests"
+        blind = any(of is not None and of.blind for of in health.values())
+        then = ", then those whose last test could not be judged" if blind else ""
+        last = "last judged test" if blind else "last test"
+        return f"those whose {last} deviates first{then}, then by their share of deviating tests"
     errors = any(unit.beyond_noise is not None for unit in units)
     return f"the largest {LAST_ERROR} first" if errors else "by name"
 
@@ -136,6 +138,9 @@ def unit_words(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) 
         told.append(f"Missing in its model: {missing_words(unit)}.")
     if health is not None and health.tests:
         told.append(f"{tests_words([health], 'tests deviate from its healthy ones')}.")
+        if health.blind:
+            said = blind_words(health)
+            told.append(f"{said[:1].upper()}{said[1:]}.")
         names = Counter(family_words(test) for test in health.off)
         if names and max(names.values()) < MOSTLY * names.total():
             told.append("Its fault is named differently from test to test, so no single name is reliable.")
@@ -162,17 +167,3 @@ def missing_words(unit: Unit) -> str:
     told = [f"{effect_words(effect)} {count}/{unit.searched}" for effect, count in unit.missing[:_SHOWN]]
     more = len(unit.missing) - _SHOWN
     return ", ".join([*told, *([f"{more} more"] if more > 0 else [])]) or "nothing"
-
-
-def result_cells(unit: Unit, row: Mapping[str, Any]) -> tuple[str, ...]:
-    """One of a unit's results, below ``RESULT_HEAD``."""
-    beyond = unit.beyond(row)
-    return (
-        row["name"],
-        f"{row['time']:%Y-%m-%d %H:%M}" if row["time"] else "",
-        row["task"],
-        row["verdict"] or row["status"],
-        ", ".join(effect_words(effect) for effect in row["missing"] or ()),
-        "" if beyond is None else f"{beyond:.1f} ×",
-        row["message"] or "",
-    )
