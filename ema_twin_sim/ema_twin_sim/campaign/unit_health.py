@@ -11,7 +11,7 @@ from ema_bench_replay.errors import InputError
 
 from ..health.baseline import FEWEST_TESTS, Baseline, learn_from
 from ..health.families import Family, Ranked
-from ..health.judgement import HealthJudgement, judge_run, named_together
+from ..health.judgement import HealthJudgement, judge_run, named_together, naming_together
 from ..health.run_features import RunFeatures, same_motion
 from .health_rows import run_of
 from .healthy import Healthy
@@ -47,6 +47,11 @@ class JudgedTest:
         ranked = named_together(self.runs) if self.detected else ()
         best = ranked[0] if ranked and ranked[0].explained > 0.0 else None
         return None if best is None or best.family is Family.UNKNOWN else best
+
+    @property
+    def why(self) -> str:
+        """What all of these together are called and why, or why no family is named, in a sentence or two."""
+        return naming_together(self.runs).sentence if self.detected else ""
 
     @property
     def worst(self) -> HealthJudgement:

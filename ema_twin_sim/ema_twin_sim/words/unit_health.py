@@ -100,10 +100,10 @@ def _named_words(test: JudgedTest) -> str:
 def _change_words(test: JudgedTest) -> str:
     """What changed in the recording of a test that is farthest from the healthy ones, or why it could not be judged.
 
-    If no family of damage explains it, why.
+    If no family of damage explains what changed in all of them together, why.
     """
     worst = test.worst
     if worst.detected is None:
         return " ".join(worst.words)
     told = worst.words[len(worst.acquisition.findings) :]
-    return " ".join(told if worst.unknown else told[:1]) if test.detected else ""
+    return " ".join((*told[:1], *((test.why,) if test.named is None else ()))) if test.detected else ""
