@@ -97,7 +97,7 @@ _BESIDE: Mapping[Family, Mapping[str, tuple[int, ...]]] = {
     Family.FRICTION_UP: {"lag": (1,), "breakaway": (1,), "roughness": (1,)},
     Family.PRELOAD_UP: {"lag": (1,), "breakaway": (1,), "roughness": (-1,)},
     Family.FRICTION_DOWN: {"lag": (-1,), "breakaway": (-1,)},
-    Family.PLAY: {"lag": (1, -1), "breakaway": (1,), "roughness": (1,)},
+    Family.PLAY: {"lag": (1, -1), "breakaway": (1, -1), "roughness": (1,)},
     Family.LOCAL_DAMAGE: {"roughness": (1,)},
     Family.LOAD: {"lag": (1, -1), "breakaway": (1, -1), "roughness": (1,)},
 }
@@ -200,12 +200,16 @@ def _moved(family: Family, measured: Mapping[str, float], alone: Mapping[str, fl
 
 
 def _lost_preload(alone: Mapping[str, float]) -> bool:
-    """Whether effort fell by not much less than anything else changed, and all that play does is beyond chance."""
-    fallen = {name: _part(alone.get(name, 0.0), (-1,)) for name in ("friction", "settling")}
+    """Whether effort fell by not much less than anything else rose, and all that play does is beyond chance.
+
+    A machine that moves with less effort lags less, which counts at most as far as its effort fell.
+    """
+    fallen = {name: _part(alone.get(name, 0.0), (-1,)) for name in ("friction", "settling", "lag")}
     rest = [abs(change) for name, change in alone.items() if not fallen.get(name)]
+    of_effort = _squared({**fallen, "lag": 0.0})
+    fell = of_effort + min(of_effort, fallen["lag"] ** 2)
     by_play = {name: _part(alone[name], its) for name, its in DIRECTIONS[Family.PLAY].items() if name in alone}
-    fell = _squared(fallen) > max(LIKELY, *(MOSTLY * change for change in rest)) ** 2
-    return fell and _squared(by_play) > CONTRADICTED**2
+    return fell > max([LIKELY, *(MOSTLY * change for change in rest)]) ** 2 and _squared(by_play) > CONTRADICTED**2
 
 
 def _explains_most(family: Family, alone: Mapping[str, float]) -> bool:
