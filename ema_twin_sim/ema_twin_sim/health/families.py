@@ -22,8 +22,8 @@ offset              the same of the current sensor: nothing but the effort chang
 
 Each family has features that measure directly what it is: the lost motion between two encoders is the play. If none of
 them was recorded, or none moved in its direction, the family is out of the question. So is a family that does not
-explain the feature that changed most. With one encoder, play is measured by the preload that it takes away: by effort
-that falls, if nothing changes much more.
+explain the feature that changed most, and one whose direct measures moved by less than a quarter of that. With one
+encoder, play is measured by the preload that it takes away: by effort that falls, if nothing rises much more.
 
 The train winds up with the effort. What the difference of both encoders grows by no more than the effort, as a share,
 is no play, and what it scatters and drifts by no more than the lost motion is no encoder's fault.
@@ -105,6 +105,8 @@ _BESIDE: Mapping[Family, Mapping[str, tuple[int, ...]]] = {
 _SHARES = ("wave_depth", "wave_both_ways", "bump")
 """Shares of the effort or of its scatter. They fall as what they are shares of rises, which is told by other features.
 """
+_WITH_A_LOAD = ("breakaway", "lag", "roughness", "slow_roughness")
+"""What a load changes besides the effort that it takes: its inertia and how it varies along a stroke."""
 _EFFORTS = ("friction", "load", "settling", "breakaway")
 _CONSIDERABLE = ("encoder_reach", "encoder_scatter", "encoder_drift")
 """They repeat so exactly that any change of the motion moves them by standard deviations, so they have to grow by a
@@ -187,16 +189,14 @@ def _by_itself(name: str, change: float, more: Mapping[str, float], growths: Map
 
 
 def _moved(family: Family, measured: Mapping[str, float], alone: Mapping[str, float]) -> bool:
-    """Whether the direct measures of a family were recorded and moved in its direction."""
-    signs = DIRECTIONS[family]
-    part = {name: _part(measured[name], signs[name]) for name in DIRECT[family] if name in measured}
-    if family is Family.OFFSET and any(
-        abs(change) > CONTRADICTED for name, change in alone.items() if name not in ("load", "settling")
-    ):
+    """Whether direct measures of a family were recorded and moved in its direction, by a part of what moved most."""
+    if family is Family.OFFSET and any(abs(alone.get(name, 0.0)) > CONTRADICTED for name in _WITH_A_LOAD):
         return False  # the motion itself changed
     if family is Family.PLAY and not any(name in alone or name in measured for name in DIRECT[family]):
         return _lost_preload(alone)
-    return _squared(part) > CONTRADICTED**2
+    signs = DIRECTIONS[family]
+    part = {name: _part(measured[name], signs[name]) for name in DIRECT[family] if name in measured}
+    return _squared(part) > max(CONTRADICTED, PART * max(map(abs, alone.values()))) ** 2
 
 
 def _lost_preload(alone: Mapping[str, float]) -> bool:
@@ -204,6 +204,8 @@ def _lost_preload(alone: Mapping[str, float]) -> bool:
 
     A machine that moves with less effort lags less, which counts at most as far as its effort fell.
     """
+    if alone.get("friction", 0.0) > CONTRADICTED:
+        return False
     fallen = {name: _part(alone.get(name, 0.0), (-1,)) for name in ("friction", "settling", "lag")}
     rest = [abs(change) for name, change in alone.items() if not fallen.get(name)]
     of_effort = _squared({**fallen, "lag": 0.0})

@@ -20,7 +20,7 @@ from .comparable import not_comparable
 from .families import Family, Ranked
 from .features import Feature
 from .motion_record import MotionRecord
-from .naming import WORDS, Naming, name_change
+from .naming import WORDS, Naming, agreed, name_change
 from .run_features import RunFeatures, run_features
 
 
@@ -95,13 +95,20 @@ def naming_together(judgements: Sequence[HealthJudgement]) -> Naming:
     """Name the mean change of those of several runs that were called off, such as of one test or stage.
 
     What differs between the runs averages out. What differs between tests does not, so this names a family, but detects
-    nothing.
+    nothing. Runs of another motion were compared with other healthy values, so each motion is named by itself.
     """
-    off = [one for one in judgements if one.detected]
+    motions: dict[tuple[tuple[str, float], ...], list[HealthJudgement]] = {}
+    for one in judgements:
+        if one.detected:
+            motions.setdefault(tuple((c.name, c.healthy) for c in one.changes), []).append(one)
+    return agreed([(_of_one_motion(runs), len(runs)) for runs in motions.values()])
+
+
+def _of_one_motion(off: Sequence[HealthJudgement]) -> Naming:
     return name_change(
         mean_changes([{c.name: c for c in one.changes} for one in off]),
         _mean([one.beside for one in off]),
-        unsigned=any(one.acquisition.unsigned for one in judgements),
+        unsigned=any(one.acquisition.unsigned for one in off),
         effort_usable=any(one.acquisition.effort_usable for one in off),
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..criteria import CONTRADICTED, LIKELY, PART, SIGNIFICANT, SUREST
@@ -109,6 +109,23 @@ def name_change(
             "friction changed. Record a signed current.",
         )
     return Naming(ranked, f"{_unexplained(ranked, told)} {_ADVICE[Family.UNKNOWN]}")
+
+
+def agreed(motions: Sequence[tuple[Naming, int]]) -> Naming:
+    """What several motions are called together, each with its number of runs: the one family that most runs show."""
+    if not motions:
+        return Naming((), "")
+    largest = max(motions, key=lambda one: one[1])[0]
+    known = [(naming, count) for naming, count in motions if naming.family is not Family.UNKNOWN]
+    families = list(dict.fromkeys(naming.family for naming, _ in known))
+    if len(motions) == 1 or not families:
+        return largest
+    if len(families) > 1:
+        told = " and ".join(family.value for family in families)
+        return _not_named(f"The motions of this test show different families: {told}. {_ADVICE[Family.UNKNOWN]}")
+    if 2 * sum(count for _, count in known) < sum(count for _, count in motions):
+        return next(naming for naming, _ in motions if naming.family is Family.UNKNOWN)
+    return max(known, key=lambda one: one[1])[0]
 
 
 def one_factor(changes: Mapping[str, Change]) -> float | None:
