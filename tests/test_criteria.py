@@ -101,6 +101,7 @@ METHOD = {
     "health/false_alarms.py": "FALSE_ALARM FALSE_ALARM_OF_HISTORY",
     "health/disturbance.py": "_TAPS _TAPS_A_WAVE",
     "health/drift.py": "_FEWEST _ONSETS _POWERS _RATES _USUAL _STEPS _HARDLY _SECOND_DIFFERENCES _DIFFUSE",
+    "health/encoders.py": "_REACHED",
     "health/families.py": "_AKAIKE",
     "health/features.py": "_FEW _PEAK _LOCAL _TINY",
     "health/motion_record.py": "ROUNDING",

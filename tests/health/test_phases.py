@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.health import MotionRecord
-from ema_twin_sim.health.features import features_of, lost_motion
+from ema_twin_sim.health.encoders import encoders_apart
+from ema_twin_sim.health.features import features_of
 from ema_twin_sim.health.phases import phases_of
 
 PERIOD = 0.01  # s
@@ -89,6 +90,6 @@ def test_lost_motion_takes_each_stroke_once():
     slow = (record.time > 9.5) & (record.time < 21.5)
     motor = record.motor_position - 50.0 * 2e-3 * slow
     floated = MotionRecord("run", "test", record.time, record.position, record.effort, motor_position=motor)
-    found = [lost_motion(one, phases_of(one)) for one in (record, floated)]
+    found = [encoders_apart(one, phases_of(one)).lost_motion for one in (record, floated)]
     assert found[0] == pytest.approx(2e-3, rel=0.1)
     assert found[1] == pytest.approx(1.5e-3, rel=0.15)

@@ -11,7 +11,7 @@ from ema_bench_replay.errors import InputError
 
 from ..health.baseline import FEWEST_TESTS, Baseline, learn_from
 from ..health.families import Family, Ranked
-from ..health.judgement import HealthJudgement, judge_run, named_together
+from ..health.judgement import HealthJudgement, judge_run, named_together, naming_together
 from ..health.run_features import RunFeatures, same_motion
 from ..listing import first_of
 from .health_rows import run_of
@@ -50,16 +50,14 @@ class JudgedTest:
         return None if best is None or best.family is Family.UNKNOWN else best
 
     @property
+    def why(self) -> str:
+        """What all of these together are called and why, or why no family is named, in a sentence or two."""
+        return naming_together(self.runs).sentence if self.detected else ""
+
+    @property
     def worst(self) -> HealthJudgement:
         """The recording that is farthest from the healthy ones."""
         return max(self.runs, key=lambda run: -1.0 if run.detected is None else run.distance)
-
-    @property
-    def telling(self) -> HealthJudgement:
-        """The farthest of the recordings with the family that all of them give together; of all if none has it."""
-        named = self.named
-        held = [run for run in self.runs if run.detected and named is not None and run.family is named.family]
-        return max(held, key=lambda run: run.distance, default=self.worst)
 
     @property
     def reason(self) -> str:

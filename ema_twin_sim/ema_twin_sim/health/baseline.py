@@ -28,7 +28,7 @@ WAVES = ("wave_forward_cos", "wave_forward_sin", "wave_backward_cos", "wave_back
 """Where it takes that effort: judged together likewise. All eight features in one block would need twice as many tests.
 """
 RUNNING = LEVELS + WAVES
-ALONE = ("load", "lag", "breakaway", "bump", "lost_motion")
+ALONE = ("load", "lag", "breakaway", "bump", "lost_motion", "encoder_reach", "encoder_scatter", "encoder_drift")
 """Its load, how it starts, local damage, and play between two encoders: each judged by itself, with the number of tests
 minus one as degrees of freedom, because these features depend on how a run began and have outliers."""
 SHOWN = ("fast_roughness", "slow_roughness", "wave_depth", "wave_both_ways")

@@ -18,6 +18,9 @@ lag                 mean error of the position while starting
 breakaway           largest effort while starting, minus the steady one
 settling            mean effort while the motion settles after a stroke
 lost_motion         half of how much the distance between two encoders differs between the directions
+encoder_reach       half of how much that distance differs over the whole run
+encoder_scatter     scatter of that distance within a steady stroke
+encoder_drift       scatter of that distance between strokes of one direction
 freed_wave_*        the waves again, without what errors of the position explain (``disturbance``)
 ==================  =================================================================================================
 
@@ -36,6 +39,7 @@ import numpy as np
 
 from ..reading_noise import smallest_step
 from .disturbance import disturbance
+from .encoders import encoders_apart
 from .motion_record import ROUNDING, MotionRecord
 from .phases import Phases, Piece, phases_of
 from .wave import FEWEST_CYCLES, beside_wave, wave_phasor
@@ -107,7 +111,13 @@ def features_of(record: MotionRecord, wavelength: float, unsigned: bool) -> Feat
     if rests := phases.strokes(0):
         found["settling"] = Feature(float(np.mean([np.abs(record.effort[p.beginning]).mean() for p in rests])), unit)
     if record.motor_position is not None and len(known) == 2:
-        found["lost_motion"] = Feature(lost_motion(record, phases), place, of_effort=False)
+        apart = encoders_apart(record, phases)
+        found["lost_motion"] = Feature(apart.lost_motion, place, of_effort=False)
+        for name, size in (
+            ("encoder_reach", apart.reach), ("encoder_scatter", apart.scatter), ("encoder_drift", apart.drift)
+        ):  # fmt: skip
+            if size is not None:
+                found[name] = _log(size, phases.travel, place, of_effort=False)
     return Features(found, (forward, backward))
 
 
@@ -178,23 +188,6 @@ def _wave_both_ways(
         waves.append(_phasor(record, common, size, wavelength, unsigned, freed))
     forward, backward = waves
     return None if forward is None or backward is None else -(forward * backward.conjugate()).real
-
-
-def lost_motion(record: MotionRecord, phases: Phases) -> float:
-    """Play and wind-up: how far the motor's encoder, at the output's scale, leads in either direction (half the total).
-
-    The scale is fitted over the run, so the gear ratio need not be known. Each stroke counts once: in a long slow one
-    an output that coasts floats anywhere in the gap.
-    """
-    assert record.motor_position is not None
-    strokes = phases.strokes(1) + phases.strokes(-1)
-    rows = [np.r_[p.steady] for p in strokes]
-    which = np.repeat(np.eye(len(rows)), [len(part) for part in rows], axis=0)
-    every = np.concatenate(rows)
-    columns = np.column_stack([which, record.motor_position[every]])
-    places = np.linalg.lstsq(columns, record.position[every], rcond=None)[0][:-1]
-    forward = len(phases.strokes(1))
-    return 0.5 * float(np.mean(places[forward:]) - np.mean(places[:forward]))
 
 
 def stroke_efforts(record: MotionRecord, unsigned: bool) -> list[tuple[np.ndarray, np.ndarray]]:

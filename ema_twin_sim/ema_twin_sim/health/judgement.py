@@ -12,53 +12,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..criteria import CONTRADICTED, LIKELY, NEGLIGIBLE, PART, SIGNIFICANT
+from ..criteria import CONTRADICTED, LIKELY, NEGLIGIBLE
 from ..listing import listed
 from .acquisition import Acquisition
 from .baseline import Baseline, tails
+from .change import Change, mean_changes
 from .comparable import not_comparable
-from .families import Family, Ranked, rank
-from .features import Feature, Features
+from .families import Family, Ranked
+from .features import Feature
 from .motion_record import MotionRecord
+from .naming import WORDS, Naming, agreed, name_change
 from .run_features import RunFeatures, run_features
-
-_WORDS = {
-    "friction": "effort in steady motion",
-    "load": "effort that does not reverse with the motion",
-    "rest_effort": "effort at rest",
-    "roughness": "roughness of steady motion",
-    "fast_roughness": "fast roughness",
-    "slow_roughness": "slow roughness",
-    "rest_hunting": "hunting at rest",
-    "wave_depth": "wave that repeats with the position",
-    "bump": "largest local bump",
-    "lag": "lag of the position while starting",
-    "breakaway": "effort to break away",
-    "settling": "effort while settling after a stroke",
-    "lost_motion": "lost motion between the encoders",
-}
-_REASONS = {**_WORDS, "wave_both_ways": "wave at the same place in both directions"}
-"""Words for the features that speak for a family. ``wave_both_ways`` is a square, so its change is not printed."""
-_ADVICE = {
-    Family.FRICTION_UP: "Look at lubricant, seals and bearings.",
-    Family.PRELOAD_UP: "Look at what sets the preload: balls, nut, bearings and their alignment.",
-    Family.FRICTION_DOWN: "Look at the preload of nut and bearings, and at the temperature.",
-    Family.PLAY: "Measure the play by hand; look at nut, coupling and bearings.",
-    Family.LOCAL_DAMAGE: "Look at tracks, balls and teeth for pits.",
-    Family.LOAD: "Look at what hangs on the output.",
-    Family.UNKNOWN: "Check what was changed on the unit and in its test.",
-}
-
-
-@dataclass(frozen=True)
-class Change:
-    """A feature of a run and its healthy value."""
-
-    name: str
-    value: float
-    unit: str
-    healthy: float  # in the same unit
-    standard_deviations: float  # of one more healthy run of one more test
 
 
 @dataclass(frozen=True)
@@ -109,11 +73,12 @@ def judge_run(run: RunFeatures, baseline: Baseline) -> HealthJudgement:
     offs = (values - baseline.prediction.mean) / baseline.prediction.spread
     changes = tuple(_change(name, told[name], baseline, off) for name, off in zip(baseline.features, offs, strict=True)
                     if name in told and math.isfinite(off))  # fmt: skip
-    all_changes = {c.name: c.standard_deviations for c in changes}
-    known = {name: off for name, off in all_changes.items() if not (acquisition.unsigned and name == "load")}
     beside = baseline.beside(features)
-    ranked = rank(known, beside)
-    family, why = _named(ranked, all_changes, features, baseline, acquisition) if detected else (None, ())
+    naming = name_change(
+        {c.name: c for c in changes}, beside, unsigned=acquisition.unsigned, effort_usable=acquisition.effort_usable
+    )
+    ranked, family = naming.ranked, naming.family if detected else None
+    why = (naming.sentence,) if detected else ()
     return HealthJudgement(
         run.name, run.test, acquisition, told, changes, detected, baseline.false_alarm,
         float(np.nanmax(found / limits)), family,
@@ -123,62 +88,36 @@ def judge_run(run: RunFeatures, baseline: Baseline) -> HealthJudgement:
 
 
 def named_together(judgements: Sequence[HealthJudgement]) -> tuple[Ranked, ...]:
-    """Rank the families by the mean change of those of several runs that were called off, such as of one test or stage.
+    """Rank the families by the mean change of several runs, such as of one test or stage."""
+    return naming_together(judgements).ranked
+
+
+def naming_together(judgements: Sequence[HealthJudgement]) -> Naming:
+    """Name the mean change of those of several runs that were called off, such as of one test or stage.
 
     What differs between the runs averages out. What differs between tests does not, so this names a family, but detects
-    nothing.
+    nothing. Runs of another motion were compared with other healthy values, so each motion is named by itself.
     """
-    off = [one for one in judgements if one.detected]
-    magnitude = any(one.acquisition.unsigned for one in judgements)
-    changes = _mean([{c.name: c.standard_deviations for c in one.changes} for one in off])
-    if magnitude:
-        changes.pop("load", None)
-    return rank(changes, _mean([one.beside for one in off]))
+    motions: dict[tuple[tuple[str, float], ...], list[HealthJudgement]] = {}
+    for one in judgements:
+        if one.detected:
+            motions.setdefault(tuple((c.name, c.healthy) for c in one.changes), []).append(one)
+    return agreed([(_of_one_motion(runs), len(runs)) for runs in motions.values()])
+
+
+def _of_one_motion(off: Sequence[HealthJudgement]) -> Naming:
+    return name_change(
+        mean_changes([{c.name: c for c in one.changes} for one in off]),
+        _mean([one.beside for one in off]),
+        unsigned=any(one.acquisition.unsigned for one in off),
+        effort_usable=any(one.acquisition.effort_usable for one in off),
+    )
 
 
 def _mean(runs: Sequence[Mapping[str, float]]) -> dict[str, float]:
-    """Mean of each feature over those runs that have it."""
+    """Mean of each number over those runs that have it."""
     names = sorted({name for run in runs for name in run})
     return {name: float(np.mean([run[name] for run in runs if name in run])) for name in names}
-
-
-def _named(
-    ranked: tuple[Ranked, ...],
-    changes: Mapping[str, float],
-    features: Features,
-    baseline: Baseline,
-    acquisition: Acquisition,
-) -> tuple[Family, tuple[str, ...]]:
-    """The family of a change that was detected, and why, in words."""
-    if not acquisition.effort_usable:
-        return Family.UNKNOWN, ("No fault family is given, because the effort is not usable.",)
-    apart = np.subtract(features.sides, baseline.sides)
-    uneven = abs(changes.get("load", 0.0)) > SIGNIFICANT
-    if acquisition.unsigned and uneven and apart[0] * apart[1] < 0.0:
-        return Family.UNKNOWN, (
-            "The effort rises in one direction and falls in the other; an unsigned effort does not show whether load "
-            "or friction changed. Record a signed current.",
-        )
-    if not ranked or ranked[0].family is Family.UNKNOWN or ranked[0].explained <= 0.0:
-        return Family.UNKNOWN, (f"{_unexplained(ranked, changes)} {_ADVICE[Family.UNKNOWN]}",)
-    best = ranked[0]
-    reasons = " and ".join(_REASONS[name] for name in best.because[:2])
-    sentence = (
-        f"This is {best.family.value} (probability {best.probability:.0%} among the known families and none of them), "
-        f"by {reasons}."
-    )
-    rivals = [other for other in ranked[1:] if other.probability > 1.0 - best.probability or other.probability > PART]
-    if rivals:
-        other = "none of them" if rivals[0].family is Family.UNKNOWN else rivals[0].family.value
-        sentence += f" Alternatively {other} ({rivals[0].probability:.0%})."
-    return best.family, (f"{sentence} {_ADVICE[best.family]}",)
-
-
-def _unexplained(ranked: tuple[Ranked, ...], changes: Mapping[str, float]) -> str:
-    """What changed that none of the families explains, in a sentence."""
-    left = ranked[0].because if ranked and ranked[0].family is Family.UNKNOWN else ()
-    by = f": {_REASONS[left[0]]} by {changes[left[0]]:+.1f} standard deviations" if left else ""
-    return f"Something changed that none of the families of damage explains{by}."
 
 
 def _words(changes: tuple[Change, ...], detected: bool, baseline: Baseline) -> tuple[str, ...]:
@@ -200,12 +139,12 @@ def changed_words(changes: Sequence[Change]) -> str:
     if not shown:
         return "the wave that repeats with the position has shifted"
     by = listed(f"{change.standard_deviations:+.1f}" for change in shown)
-    return f"{'; '.join(f'{_WORDS[change.name]} {_by(change)}' for change in shown)} ({by} standard deviations)"
+    return f"{'; '.join(f'{WORDS[change.name]} {_by(change)}' for change in shown)} ({by} standard deviations)"
 
 
 def _shown(changes: Sequence[Change]) -> list[Change]:
     """The largest changes that are likely more than chance, three at most."""
-    told = sorted((c for c in changes if c.name in _WORDS), key=lambda c: -abs(c.standard_deviations))
+    told = sorted((c for c in changes if c.name in WORDS), key=lambda c: -abs(c.standard_deviations))
     return [c for c in told if abs(c.standard_deviations) > LIKELY][:3]
 
 
@@ -218,10 +157,10 @@ def _by(change: Change) -> str:
 
 
 def _change(name: str, feature: Feature, baseline: Baseline, off: float) -> Change:
-    mean = float(baseline.prediction.mean[baseline.features.index(name)])
+    mean, scatter = baseline.healthy(name)
     healthy = math.exp(mean) if feature.logarithm else mean * (baseline.scale if feature.scales else 1.0)
     value = math.exp(feature.value) if feature.logarithm else feature.value
-    return Change(name, value, feature.unit, healthy, float(off))
+    return Change(name, value, feature.unit, healthy, float(off), np.inf if feature.logarithm else mean / scatter)
 
 
 def _not_judged(run: RunFeatures, baseline: Baseline, words: tuple[str, ...]) -> HealthJudgement:

@@ -224,7 +224,7 @@ def _advice(unit: Unit, changed: Sequence[Outlook], leading: Sequence[Outlook], 
     ]
     told += [f"Find out why {number_words(look)} changes: {effect_words(look.history.owner)}." for look in changed[:3]]
     if health is not None and health.off:
-        told.append(health.off[-1].telling.words[-1])
+        told.append(health.off[-1].why)
     if health is not None and health.blind:
         told.append(f"How it is now is not known. {health.blind[-1].reason}")
     if unit.missing:

@@ -120,7 +120,7 @@ def _named_words(test: JudgedTest) -> str:
 def _change_words(test: JudgedTest) -> str:
     """What changed in the recording of a test that is farthest from the healthy ones, or why it could not be judged.
 
-    If no family of damage explains all of them together, why none explains that one.
+    If no family of damage explains what changed in all of them together, why.
     """
     worst = test.worst
     if worst.detected is None:
@@ -130,7 +130,7 @@ def _change_words(test: JudgedTest) -> str:
     from ..health.judgement import changed_words  # with all of scipy.stats: only if something is told
 
     said = changed_words(worst.changes)
-    why = worst.words[-1] if worst.unknown and test.named is None else ""
+    why = test.why if test.named is None else ""
     return f"{said[:1].upper()}{said[1:]}. {why}".rstrip()
 
 
@@ -141,4 +141,4 @@ def naming_words(health: UnitHealth) -> str:
     """
     if not health.off or health.off[-1].named is None:
         return ""
-    return f"Test {health.off[-1].name}: {health.off[-1].telling.words[-1]}"
+    return f"Test {health.off[-1].name}: {health.off[-1].why}"

@@ -21,8 +21,8 @@ def shows_where_slowest(problem: EquationErrorProblem, f: Fit, name: str) -> boo
     """Whether an added effect over a shaft angle explains only the slowest of the moving rows, or acts on few of all.
 
     Not tested for operating points, most of which stand still. Not tested either for a wave so fine that whole cycles
-    pass while the machine is slow: only slow motion shows what smoothing hides at higher speeds. But so few rows as tell
-    a mean square badly tell no wave.
+    pass while the machine is slow: only slow motion shows what smoothing hides at higher speeds. But rows that are too
+    few to tell a mean square well tell no wave.
     """
     instance = f.hypothesis.added[name]
     if catalogue()[instance.effect].depends_on != "order" or not problem.size:
