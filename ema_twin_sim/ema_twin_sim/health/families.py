@@ -202,9 +202,10 @@ def _moved(family: Family, measured: Mapping[str, float], alone: Mapping[str, fl
 def _lost_preload(alone: Mapping[str, float]) -> bool:
     """Whether effort fell by not much less than anything else rose, and all that play does is beyond chance.
 
-    A machine that moves with less effort lags less, which counts at most as far as its effort fell.
+    A machine that moves with less effort lags less, which counts at most as far as its effort fell. One that moves with
+    more and lags more has lost no preload, whatever its effort at rest.
     """
-    if alone.get("friction", 0.0) > CONTRADICTED:
+    if min(alone.get("friction", 0.0), alone.get("lag", np.inf)) > CONTRADICTED:
         return False
     fallen = {name: _part(alone.get(name, 0.0), (-1,)) for name in ("friction", "settling", "lag")}
     rest = [abs(change) for name, change in alone.items() if not fallen.get(name)]
