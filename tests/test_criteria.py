@@ -20,6 +20,7 @@ METHOD = {
     "measured/folds.py": "FEWEST_OF_BOTH BLOCKS",
     "measured/induced_voltage.py": "BUS",
     "measured/load_sensor.py": "_WIDTH _SHARE _ENDS _FEWEST_POINTS _SPEED _MOVING _MOTION",
+    "measured/magnitude.py": "SMOOTHED _AT_ENDS",
     "measured/observe.py": "START JITTER LEAST_NOISE WIDER LARGEST",
     "measured/order_spectrum.py": "_ANGLE_BINS _LARGEST _LEAST _FINER",
     "measured/signal_factors.py": "DEGREES RPM TURN SETPOINT",

@@ -28,10 +28,11 @@ from ema_bench_replay.units import MOTIONS, SIGNALS
 AT_EITHER_SHAFT = ("motor_position", "speed", "speed_setpoint", "motor_torque", "load_torque")
 AT = "_at"
 
-#: Signals that may be a magnitude without sign. Then the recording's metadata hold "magnitude" under the signal's
-#: name + KIND.
+#: Signals that may be a magnitude without sign. If the import map says whether they are, the recording's metadata hold
+#: "magnitude" or "signed" under the signal's name + KIND.
 MAY_BE_MAGNITUDES = ("current", "motor_torque")
 KIND = "_kind"
+MAGNITUDE, SIGNED = "magnitude", "signed"
 
 #: If a file has none of the columns from which its import map reads a position, the speed, the current or the torque,
 #: the recording's metadata hold their names under the signal's name + LACKED.

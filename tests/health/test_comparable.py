@@ -1,12 +1,14 @@
 """Recordings that are wrong are told as such: cut, in another unit, or with their sign reversed. They name no fault."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from ema_twin_sim.health import MotionRecord, judge, judge_run, learn
+from ema_twin_sim.health import MotionRecord, judge, judge_run, learn, learn_from
 from ema_twin_sim.health.acquisition import Acquisition, Extent
+from ema_twin_sim.health.features import Feature
 from tests.health_by_hand import healthy_by_hand, run_by_hand
 
 LASTING = Acquisition(True, True, False, (), Extent(20.0, 8))
@@ -57,6 +59,23 @@ def test_an_effort_in_another_unit_is_not_judged(baseline, times, words):
     told = judged(baseline, times=abs(times), turned=times < 0.0)
     assert not_judged(told)
     assert re.search(words, told.words[0])
+
+
+def test_an_effort_in_another_unit_is_told_beside_the_wave_of_a_machine_too():
+    """A wave in per cent of the effort does not change with its unit."""
+
+    def waving(rng, name, **given):
+        run = run_by_hand(name, rng, acquisition=LASTING, **given)
+        waves = {f"wave_{way}_{part}": Feature(0.1 + 0.001 * rng.normal(), "1") for way in ("forward", "backward")
+                 for part in ("cos", "sin")}  # fmt: skip
+        run.features.values.update(waves | {"wave_depth": Feature(20.0 + 0.1 * rng.normal(), "%")})
+        return replace(run, wavelength=1.0)
+
+    rng = np.random.default_rng(6)
+    learnt = learn_from([waving(rng, f"day {k}") for k in range(12)])
+    assert "wave_depth" in learnt.features
+    told = judge_run(waving(rng, "another", times=1e-3), learnt)
+    assert not_judged(told) and "is the current's unit A, and not mA?" in told.words[0]
 
 
 def test_much_more_friction_alone_is_no_unit(baseline):

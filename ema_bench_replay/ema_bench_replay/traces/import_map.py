@@ -68,7 +68,7 @@ class SignalMap:
     wraps_after: float | None = None  # after how many of the column's own units it starts again; None: after a turn
     at_output: bool = False  # whether it refers to the output shaft; the model has the gear ratio
     write_as: str = ""  # the column's name when a trace is written
-    magnitude: bool = False  # whether it is a magnitude without sign
+    magnitude: bool | None = None  # whether it is a magnitude without sign; None: the map does not say
     less_than: Column | None = None  # the column holds that one minus the signal, in the same unit
     decimals: int | None = None  # of the column when a trace is written; None: as many as needed
     unit: str | None = None  # in which the column is read; None: a counter, or converted by a factor of the map's own
@@ -193,7 +193,7 @@ def _signal(check: Checker, name: str, content: Any, motion: str) -> SignalMap:
         bits=check.choice(value.get("bits", 32), f"{place}.bits", (16, 24, 32)),
         write_as=check.text(value.get("write_as", columns[0].plain), f"{place}.write_as"),
         at_output=check.choice(value.get("shaft", "motor"), f"{place}.shaft", ("motor", "output")) == "output",
-        magnitude=check.boolean(value.get("magnitude", False), f"{place}.magnitude"),
+        magnitude=check.boolean(value["magnitude"], f"{place}.magnitude") if "magnitude" in value else None,
         less_than=_column(check, value["less_than"], f"{place}.less_than") if "less_than" in value else None,
         decimals=_decimals(check, value.get("decimals", 0 if is_counter else None), f"{place}.decimals"),
         unit=unit,

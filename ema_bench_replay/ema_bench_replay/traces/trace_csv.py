@@ -19,7 +19,7 @@ from ema_bench_replay.long_columns import (
     shifted,
     times,
 )
-from ema_bench_replay.recording import AT, KIND, LACKED, MOTION, POINTS, Recording
+from ema_bench_replay.recording import AT, KIND, LACKED, MAGNITUDE, MOTION, POINTS, SIGNED, Recording
 from ema_bench_replay.some_of import some_of
 from ema_bench_replay.traces.counters import unwrap_counts
 from ema_bench_replay.traces.header_units import contradicted_unit
@@ -251,7 +251,11 @@ class _Trace:
         at_output = [signal.signal for signal in self.map.signals if signal.at_output and signal.signal in self.columns]
         return {
             **{f"{signal}{AT}": "output" for signal in at_output},
-            **{f"{s.signal}{KIND}": "magnitude" for s in self.map.signals if s.magnitude and s.signal in self.columns},
+            **{
+                f"{s.signal}{KIND}": MAGNITUDE if s.magnitude else SIGNED
+                for s in self.map.signals
+                if s.magnitude is not None and s.signal in self.columns
+            },
             **{f"{s.signal}{LACKED}": _named(s) for s in self.map.signals if s.signal in _NEEDED - {*self.columns}},
             **({MOTION: self.map.motion} if self.map.motion != "rotary" else {}),
             **({POINTS: "yes"} if self.map.of_points else {}),

@@ -12,6 +12,8 @@ from ..health.features import Feature, Features
 from ..health.run_features import RunFeatures
 
 _MOTION = ("period", "travel", "top_speed")
+_OTHERWISE = "otherwise_"
+"""Before the names of features with the effort read the other way."""
 
 
 def health_row(run: RunFeatures) -> dict[str, Any]:
@@ -31,19 +33,22 @@ def health_row(run: RunFeatures) -> dict[str, Any]:
         "effort_unit": run.effort_unit,
         "features": None
         if features is None
-        else [{"name": name, **feature._asdict()} for name, feature in features.values.items()],
+        else [*_told(features), *([] if run.otherwise is None else _told(run.otherwise, _OTHERWISE))],
     }
 
 
 def run_of(name: str, held: Mapping[str, Any], duration: float | None = None) -> RunFeatures:
     """The run from a value of the column ``health`` and its duration in s."""
-    features = None
+    features, otherwise = None, None
     if held["features"] is not None:
         values = {
             one["name"]: Feature(one["value"], one["unit"], one["logarithm"], one["of_effort"])
             for one in held["features"]
         }
-        features = Features(values, (_number(held["forward"]), _number(held["backward"])))
+        others = {name.removeprefix(_OTHERWISE): values.pop(name) for name in [*values] if name.startswith(_OTHERWISE)}
+        forward, backward = _number(held["forward"]), _number(held["backward"])
+        features = Features(values, (forward, backward))
+        otherwise = Features(others, (forward, -backward)) if others else None
     period, travel, top_speed = (_number(held[what]) for what in _MOTION)
     return RunFeatures(
         name=name,
@@ -54,6 +59,7 @@ def run_of(name: str, held: Mapping[str, Any], duration: float | None = None) ->
             held["unsigned"],
             tuple(held["findings"] or ()),
             Extent(duration or 0.0, held["strokes"]),
+            certain_of_sign=otherwise is None,
         ),
         features=features,
         wavelength=_number(held["wavelength"]),
@@ -61,7 +67,12 @@ def run_of(name: str, held: Mapping[str, Any], duration: float | None = None) ->
         motion=(period, travel, top_speed),
         position_unit=held["position_unit"],
         effort_unit=held["effort_unit"],
+        otherwise=otherwise,
     )
+
+
+def _told(features: Features, prefix: str = "") -> list[dict[str, Any]]:
+    return [{"name": prefix + name, **feature._asdict()} for name, feature in features.values.items()]
 
 
 def _known(value: float) -> float | None:

@@ -10,9 +10,11 @@ from typing import Any
 from ema_bench_replay.errors import InputError
 
 from ..health.baseline import FEWEST_TESTS, Baseline, learn_from
+from ..health.comparable import unlike
+from ..health.false_alarms import FALSE_ALARM
 from ..health.families import Family, Ranked
 from ..health.judgement import HealthJudgement, judge_run, named_together, naming_together
-from ..health.run_features import RunFeatures, same_motion
+from ..health.run_features import RunFeatures, kinds_of_motion
 from ..listing import first_of
 from .health_rows import run_of
 from .healthy import Healthy
@@ -26,6 +28,7 @@ class JudgedTest:
 
     name: str
     runs: tuple[HealthJudgement, ...]
+    kinds: tuple[int, ...]  # of the runs' motions: the place of the baseline that each was judged by
 
     @property
     def judged(self) -> int:
@@ -39,13 +42,16 @@ class JudgedTest:
 
     @property
     def deviates(self) -> bool:
-        """Whether more than half of the judged recordings differ from the healthy ones."""
-        return 2 * self.detected > self.judged
+        """Whether more than half of the judged recordings of some kind of motion differ from the healthy ones.
+
+        A fault may show in one kind alone, such as a slow stroke.
+        """
+        return bool(self._deviating)
 
     @property
     def named(self) -> Ranked | None:
         """The fault family by all of these together; None if nothing was detected, or no family explains it."""
-        ranked = named_together(self.runs) if self.detected else ()
+        ranked = named_together(self._deviating or self.runs) if self.detected else ()
         best = ranked[0] if ranked and ranked[0].explained > 0.0 else None
         return None if best is None or best.family is Family.UNKNOWN else best
 
@@ -72,10 +78,21 @@ class JudgedTest:
             "recordings": len(self.runs),
             "judged": self.judged,
             "detected": self.detected,
+            "deviates": self.deviates,
             "family": None if named is None else named.family.value,
             "probability": None if named is None else named.probability,
             "runs": [_run_json(run) for run in self.runs],
         }
+
+    @property
+    def _deviating(self) -> tuple[HealthJudgement, ...]:
+        """The judged recordings of the kinds of motion in which more than half of them differ."""
+        found: tuple[HealthJudgement, ...] = ()
+        for kind in sorted(set(self.kinds)):
+            judged = tuple(run for run, its in zip(self.runs, self.kinds, strict=True) if its == kind)
+            judged = tuple(run for run in judged if run.detected is not None)
+            found += judged if 2 * sum(bool(run.detected) for run in judged) > len(judged) else ()
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,30 +164,43 @@ class UnitHealth:
 
 @dataclass(frozen=True, eq=False)
 class Learnt:
-    """What was learnt from a unit's healthy recordings: for each kind of motion, one of its runs and the baseline."""
+    """What was learnt from a unit's healthy recordings: a baseline for each kind of motion."""
 
-    kinds: tuple[tuple[RunFeatures, Baseline], ...]
+    kinds: tuple[Baseline, ...]
     remarks: tuple[str, ...]  # recordings that could not be learnt from, and why
 
+    def kind(self, run: RunFeatures) -> int:
+        """The place of the baseline whose motion is nearest to that of a run."""
+        if run.features is None:
+            return 0
+        return min(range(len(self.kinds)), key=lambda place: unlike(run, self.kinds[place]))
+
     def judge(self, run: RunFeatures) -> HealthJudgement:
-        """Judge by the baseline of the same motion; if there is none, the first baseline says what differs."""
-        same = (baseline for first, baseline in self.kinds if same_motion(run, first))
-        return judge_run(run, next(same, self.kinds[0][1]))
+        """Judge by the baseline of the nearest motion, which also says what differs."""
+        return judge_run(self.read(run), self.kinds[self.kind(run)])
+
+    def read(self, run: RunFeatures) -> RunFeatures:
+        """The run with its effort read as that of the healthy runs, as a magnitude or not, where it leaves a doubt."""
+        return run.read_as(self.kinds[self.kind(run)].unsigned) if self.kinds else run
 
 
 def learnt_from(runs: Sequence[RunFeatures]) -> Learnt:
-    """Learn the baselines of healthy runs, one for each kind of motion."""
-    kinds = _kinds(runs)
-    learnt: list[tuple[RunFeatures, Baseline]] = []
+    """Learn the baselines of healthy runs, one for each kind of motion.
+
+    Any of the kinds may call a test off, so they share the false alarms.
+    """
+    kinds = kinds_of_motion(runs)
+    several = sum(len({run.test for run in kind}) >= FEWEST_TESTS for kind in kinds)
+    learnt: list[Baseline] = []
     remarks: list[str] = []
     for kind in kinds:
         try:
-            baseline = learn_from(kind)
+            baseline = learn_from(kind, false_alarm=FALSE_ALARM / max(1, several))
         except InputError as error:
             these = first_of([run.name for run in kind])
             remarks.append(f"{these} cannot be the healthy reference: {error}")
             continue
-        learnt.append((kind[0], baseline))
+        learnt.append(baseline)
         remarks += baseline.warnings
     if not runs:
         remarks.append("no healthy recording is selected, so its health is not judged; see --healthy")
@@ -196,8 +226,9 @@ def unit_health(unit: Unit, healthy: Healthy) -> UnitHealth | None:
     if not runs:
         return None
     learnt = learnt_from([run for run, flag in zip(runs, flags, strict=True) if flag])
+    read = [learnt.read(run) for run in runs]
     acquisition = dict.fromkeys(
-        finding for run in runs if run.features is not None for finding in run.acquisition.findings
+        finding for run in read if run.features is not None for finding in run.acquisition.findings
     )
     remarks = (*learnt.remarks, *_alone(unit, runs), *acquisition)
     if not learnt.kinds:
@@ -205,7 +236,7 @@ def unit_health(unit: Unit, healthy: Healthy) -> UnitHealth | None:
     tests = _judged(learnt, (run for run, flag in zip(runs, flags, strict=True) if not flag))
     reference = (run for run, flag in zip(runs, flags, strict=True) if flag)
     return UnitHealth(
-        tuple(baseline for _, baseline in learnt.kinds),
+        learnt.kinds,
         tests,
         _judged(learnt, reference) if any(test.deviates for test in tests) else (),
         remarks,
@@ -224,10 +255,13 @@ def _alone(unit: Unit, runs: Sequence[RunFeatures]) -> Iterator[str]:
 
 def _judged(learnt: Learnt, runs: Iterable[RunFeatures]) -> tuple[JudgedTest, ...]:
     """Judge runs; the tests in the order of their first ones."""
-    tests: dict[str, list[HealthJudgement]] = {}
+    tests: dict[str, list[RunFeatures]] = {}
     for run in runs:
-        tests.setdefault(run.test, []).append(learnt.judge(run))
-    return tuple(JudgedTest(name, tuple(its)) for name, its in tests.items())
+        tests.setdefault(run.test, []).append(run)
+    return tuple(
+        JudgedTest(name, tuple(learnt.judge(run) for run in its), tuple(learnt.kind(run) for run in its))
+        for name, its in tests.items()
+    )
 
 
 def sickest_first(units: Iterable[Unit], health: Mapping[str, UnitHealth | None]) -> list[Unit]:
@@ -241,16 +275,6 @@ def sickest_first(units: Iterable[Unit], health: Mapping[str, UnitHealth | None]
         return (False, False, 0.0, 0.0) if of is None else of.severity
 
     return sorted(units, key=severity, reverse=True)
-
-
-def _kinds(runs: Iterable[RunFeatures]) -> list[list[RunFeatures]]:
-    """Group runs by their motion: runs of another motion are another test, and say nothing about these."""
-    kinds: list[list[RunFeatures]] = []
-    for run in runs:
-        if run.features is not None:
-            kind = next((kind for kind in kinds if same_motion(run, kind[0])), None)
-            kinds.append([run]) if kind is None else kind.append(run)
-    return kinds
 
 
 def _run_json(run: HealthJudgement) -> Mapping[str, Any]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..criteria import NEGLIGIBLE, PART, SMALL
 from .motion_record import MotionRecord
-from .phases import Phases, phases_of
+from .phases import phases_of
+from .sign_of_effort import Sign, sign_of
 
 
 @dataclass(frozen=True)
@@ -28,11 +29,20 @@ class Acquisition:
     unsigned: bool  # whether the effort is a magnitude
     findings: tuple[str, ...]
     extent: Extent = Extent()
+    certain_of_sign: bool = True  # whether it could not be read the other way
 
     @property
     def fit_to_learn_from(self) -> bool:
         """Whether a healthy run can be used to learn the healthy state."""
         return self.usable and self.effort_usable
+
+    def read_as(self, unsigned: bool) -> Acquisition:
+        """The same, with an effort that is not certain to be a magnitude, or none, read as one or not."""
+        if self.certain_of_sign or unsigned == self.unsigned:
+            return self
+        old, new = (Sign(flag, certain=False).words for flag in (self.unsigned, unsigned))
+        findings = tuple(new if finding == old else finding for finding in self.findings)
+        return replace(self, unsigned=unsigned, findings=findings)
 
 
 def judge_acquisition(record: MotionRecord) -> Acquisition:
@@ -49,13 +59,9 @@ def judge_acquisition(record: MotionRecord) -> Acquisition:
     if not (phases.strokes(1) or phases.strokes(-1)):
         return Acquisition(False, False, bool(record.unsigned), ("The machine makes no stroke; record motion.",))
     findings = []
-    unsigned = is_unsigned(record, phases)
-    if unsigned:
-        how = "is" if record.unsigned else "is never negative in motion both ways, so it is treated as"
-        findings.append(
-            f"The effort {how} unsigned (a magnitude), so a changed load cannot be distinguished from friction that "
-            "differs between the directions."
-        )
+    sign = sign_of(record, phases)
+    if sign.words:
+        findings.append(sign.words)
     clipped = clipped_share(record.effort)
     if clipped > NEGLIGIBLE:
         findings.append(
@@ -65,7 +71,7 @@ def judge_acquisition(record: MotionRecord) -> Acquisition:
     if not np.ptp(record.effort) > 0.0:
         findings.append("The effort never changes and is not judged. Check its sensor.")
     extent = Extent(float(record.time[-1] - record.time[0]), len(phases.strokes(1)) + len(phases.strokes(-1)))
-    return Acquisition(True, bool(usable), unsigned, tuple(findings), extent)
+    return Acquisition(True, bool(usable), sign.unsigned, tuple(findings), extent, sign.certain)
 
 
 def clock_fault(time: np.ndarray) -> str:
@@ -96,11 +102,3 @@ def clipped_share(values: np.ndarray) -> float:
         return 0.0
     ends = ((counts[-1], counts[-2]), (counts[0], counts[1]))
     return float(sum(end for end, inside in ends if end > 3 * inside)) / len(values)
-
-
-def is_unsigned(record: MotionRecord, phases: Phases) -> bool:
-    """Whether an effort is a magnitude: as declared; otherwise, if it is never negative in motion both ways."""
-    if record.unsigned is not None:
-        return record.unsigned
-    both = phases.strokes(1) and phases.strokes(-1)
-    return bool(both) and bool(np.min(record.effort) >= 0.0)

@@ -18,7 +18,7 @@ from .disturbance import tells_more
 from .false_alarms import FALSE_ALARM
 from .features import Feature, Features, stroke_efforts
 from .motion_record import MotionRecord
-from .run_features import RunFeatures, run_features
+from .run_features import RunFeatures, mostly_unsigned, motion_limits, run_features
 from .wave import found_wavelength
 
 LEVELS = ("friction", "roughness", "rest_hunting", "settling")
@@ -62,6 +62,7 @@ class Baseline:
     unsigned: bool
     freed: bool  # whether the waves are without what errors of the position explain
     motion: tuple[float, float, float]  # sample period s, travel m or rad, top speed m/s or rad/s
+    motion_limits: tuple[float, float, float]  # by which share each may differ in a run that compares
     extents: tuple[Extent, ...]  # of the healthy runs
     still: Mapping[str, tuple[float, float]]  # features that hardly vary: their mean, and what counts as hardly
     warnings: tuple[str, ...]
@@ -91,8 +92,8 @@ def learn(
     from the runs. Raises InputError if the runs do not suffice.
     """
     judged = [(record, judge_acquisition(record)) for record in records]
-    fit = [(record, acquisition.unsigned) for record, acquisition in judged if acquisition.fit_to_learn_from]
-    unsigned = _mostly([flag for _, flag in fit])
+    fit = [(record, acquisition) for record, acquisition in judged if acquisition.fit_to_learn_from]
+    unsigned = mostly_unsigned([(one.unsigned, one.certain_of_sign) for _, one in fit])
     if wavelength is None:
         strokes = [stroke for record, _ in fit for stroke in stroke_efforts(record, unsigned)]
         wavelength = found_wavelength(strokes) if strokes else np.nan
@@ -116,7 +117,8 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
         raise InputError(
             f"healthy recordings of {number} tests are too few to estimate how tests differ; give {FEWEST_TESTS}"
         )
-    unsigned = _mostly([run.unsigned for run in kept])
+    unsigned = mostly_unsigned([(run.unsigned, run.otherwise is None) for run in kept])
+    kept = [run.read_as(unsigned) for run in kept]
     if odd := next((run for run in kept if run.unsigned != unsigned), None):
         raise InputError(f"{odd.name}: {other_sign(odd)}; leave it out of the healthy ones")
     wavelength = kept[0].wavelength
@@ -161,6 +163,7 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
         unsigned=unsigned,
         freed=freed,
         motion=tuple(np.median(motions, axis=0)),
+        motion_limits=motion_limits(kept, tests),
         extents=tuple(run.acquisition.extent for run in kept),
         still=still,
         warnings=tuple(warnings),
@@ -245,10 +248,6 @@ def _freed(runs: Sequence[Features], tests: Sequence[str]) -> bool:
         return False
     waves, left = (np.array([[values[name].value for name in names] for values in told]) for told in (plain, freed))
     return tells_more(waves, left, tests)
-
-
-def _mostly(flags: Sequence[bool]) -> bool:
-    return sum(flags) > 0.5 * len(flags)
 
 
 def _sizes(values: Mapping[str, Feature], names: Sequence[str], travel: float) -> np.ndarray:

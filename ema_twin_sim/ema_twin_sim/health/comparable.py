@@ -37,15 +37,26 @@ def not_comparable(run: RunFeatures, baseline: Baseline) -> str:
 def _other_motion(run: RunFeatures, baseline: Baseline) -> str:
     """A sentence if the sample period, the travel or the speed is another."""
     units = "s", run.position_unit, f"{run.position_unit}/s"
-    for what, unit, mine, theirs in zip(
-        ("sample period", "travel", "speed"), units, run.motion, baseline.motion, strict=True
-    ):
-        if not alike(mine, theirs):
-            return (
-                f"The {what} is {mine:.3g} {unit} and that of the healthy recordings {theirs:.3g} {unit}; repeat their "
-                "test, or learn another baseline."
-            )
-    return ""
+    whats = "sample period", "travel", "top speed"
+    found = zip(whats, units, run.motion, baseline.motion, baseline.motion_limits, strict=True)
+    what, unit, mine, theirs, limit = max(found, key=lambda one: abs(one[2] - one[3]) / (one[3] * one[4]))
+    share = mine / theirs - 1.0
+    if abs(share) <= limit:
+        return ""
+    return (
+        f"The {what} of {mine:.3g} {unit} is {abs(share):.0%} {'above' if share > 0.0 else 'below'} that of the "
+        f"healthy recordings ({theirs:.3g} {unit}); repeat their test, or learn another baseline."
+    )
+
+
+def unlike(run: RunFeatures, baseline: Baseline) -> tuple[bool, bool, float]:
+    """A key that sorts baselines by how unlike a run they are.
+
+    Whether the kind of motion is another, whether the sign of the effort is, and the largest ratio of their motions.
+    """
+    ratios = [abs(math.log(mine / theirs)) for mine, theirs in zip(run.motion, baseline.motion, strict=True)]
+    sign = run.read_as(baseline.unsigned).unsigned != baseline.unsigned
+    return not all(map(alike, run.motion, baseline.motion)), sign, max(ratios)
 
 
 def _other_extent(run: RunFeatures, baseline: Baseline) -> str:
@@ -119,8 +130,8 @@ def _factors(run: RunFeatures, baseline: Baseline) -> Iterator[float]:
     assert run.features is not None
     told = run.features.told(baseline.freed)
     for name in baseline.features:
-        if name not in told or not told[name].of_effort or told[name].unit == "1":
-            continue
+        if name not in told or not told[name].of_effort or told[name].unit in ("1", "%"):
+            continue  # a share of the effort itself
         healthy, scatter = baseline.healthy(name)
         if told[name].logarithm:  # geometric mean with the position, which keeps its unit
             if CONTRADICTED * 2.0 * scatter < PART:

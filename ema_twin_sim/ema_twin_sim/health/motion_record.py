@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import KIND, Recording
+from ema_bench_replay.recording import KIND, MAGNITUDE, Recording
 from ema_bench_replay.traces.lacked_columns import lacked_columns
 from ema_bench_replay.units import signal_unit
 
@@ -37,7 +37,7 @@ class MotionRecord:
     motor_position: np.ndarray | None = None  # rad (n,), if the position is that of another encoder
     position_unit: str = "m"
     effort_unit: str = "A"
-    unsigned: bool | None = None  # None: unknown; then an effort that never changes its sign is a magnitude
+    unsigned: bool | None = None  # None: unknown; then the effort itself shows it (``sign_of_effort``)
     place: str = "output_position"  # the signal that the position is, or is integrated from
 
     def __post_init__(self) -> None:
@@ -70,6 +70,7 @@ class MotionRecord:
         origin = origins.get(place, np.nan)
         shift = 0.0 if np.isnan(origin) else origin  # waves are counted from the encoder's zero
         position = way_of(signals[SPEED], recording.time) if place == SPEED else signals[place] + shift
+        kind = recording.metadata.get(f"{effort}{KIND}")
         command = None if place == SPEED else signals.get("output_command")
         return cls(
             name=recording.name,
@@ -82,5 +83,5 @@ class MotionRecord:
             position_unit=signal_unit(place, recording.motion).removesuffix("/s"),
             effort_unit=signal_unit(effort, recording.motion),
             place=place,
-            unsigned=True if f"{effort}{KIND}" in recording.metadata else None,
+            unsigned=None if kind is None else kind == MAGNITUDE,
         )

@@ -60,7 +60,7 @@ class UnitWatch:
         self.last = None
         try:
             record = MotionRecord.from_recording(read(), _NOW)
-            run = run_features(record, self._learnt.kinds[0][1].wavelength)
+            run = run_features(record, self._learnt.kinds[0].wavelength)
             # Of a run that goes on, the monitor reads a part: its length is no sign of a fault.
             acquisition = replace(run.acquisition, extent=Extent())
             self.last = self._learnt.judge(replace(run, acquisition=acquisition))

@@ -11,7 +11,7 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.long_columns import Column, by_pieces, divided, extremes, overlapping, pieces, times
-from ema_bench_replay.recording import AT, AT_EITHER_SHAFT, KIND, MAY_BE_MAGNITUDES, Recording
+from ema_bench_replay.recording import AT, AT_EITHER_SHAFT, KIND, MAGNITUDE, MAY_BE_MAGNITUDES, Recording
 
 from .model import Model
 
@@ -41,7 +41,7 @@ def matched(recording: Recording, model: Model) -> Recording:
     metadata = dict(recording.metadata)
     warnings, unsigned = recording.warnings, []
     for name in MAY_BE_MAGNITUDES:
-        if metadata.pop(f"{name}{KIND}", None) is not None and signals.pop(name, None) is not None:
+        if metadata.pop(f"{name}{KIND}", None) == MAGNITUDE and signals.pop(name, None) is not None:
             unsigned.append(name)
             warnings = (
                 *warnings,
