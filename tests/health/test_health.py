@@ -63,7 +63,7 @@ def baseline():
         ({"friction": 1.3, "stick": 1.0}, Family.FRICTION_UP),
         ({"friction": 1.3, "hunting": 0.4}, Family.PRELOAD_UP),
         ({"friction": 0.7}, Family.FRICTION_DOWN),
-        ({"hunting": 3.0}, Family.PLAY),
+        ({"hunting": 3.0}, Family.UNKNOWN),
         ({"wave": 0.1}, Family.LOCAL_DAMAGE),
         ({"load": 1.5}, Family.LOAD),
     ],
@@ -100,14 +100,14 @@ def test_pits_are_met_both_ways_and_friction_of_a_place_is_not():
 
 
 def test_a_machine_that_hunts_is_named_by_its_pits(baseline):
-    """Worn tracks loosen the preload, which looks like play; what both directions meet at one place is no play's."""
+    """Worn tracks loosen the preload; what both directions meet at one place tells them from a loop that only hunts."""
     judged = [judge(one, baseline) for one in runs(np.random.default_rng(14), 1, wave=0.0, pits=0.03, hunting=2.0)]
     assert [one.family for one in judged] == [Family.LOCAL_DAMAGE] * len(judged)
     assert "wave at the same place in both directions" in judged[0].words[-1]
     assert named_together(judged)[0].family is Family.LOCAL_DAMAGE
     loose = [judge(one, baseline) for one in runs(np.random.default_rng(15), 1, hunting=2.0)]
-    assert [one.family for one in loose] == [Family.PLAY] * len(loose)
-    assert named_together(loose)[0].family is Family.PLAY
+    assert [one.family for one in loose] == [Family.UNKNOWN] * len(loose)
+    assert named_together(loose)[0].family is Family.UNKNOWN
 
 
 def test_levels_and_waves_need_no_more_tests_than_either(baseline):
@@ -236,6 +236,34 @@ def test_play_is_seen_beside_encoders_that_hardly_scatter():
     assert "lost_motion" in learnt.features
     assert learnt.prediction.spread[learnt.features.index("lost_motion")] < 1e-7
     assert judge(both("another", 2e-5), learnt).family is Family.PLAY
+
+
+def test_an_encoder_that_slips_or_runs_eccentrically_is_no_play():
+    rng = np.random.default_rng(17)
+    both = partial(with_play, rng, play=2e-5, scatter=1e-6)
+    learnt = learn([both(f"{i // 4}") for i in range(32)])
+    record = both("another")
+    turn = 2.0 * np.pi * record.command / 0.05
+    eccentric = changed(record, motor_position=record.motor_position + 0.2 * np.sin(turn))
+    told = judge(eccentric, learnt)
+    assert told.detected and told.family is Family.ENCODER and told.sureness > 0.9
+    assert "scatter of the encoders' difference within a stroke" in told.words[-1]
+    assert judge(record, learnt).detected is False
+
+
+def test_play_that_is_crossed_only_while_braking_is_seen_by_both_encoders():
+    """A load that hangs on the output presses the teeth together, except where it is braked."""
+    rng = np.random.default_rng(18)
+
+    def braked(test, gap):
+        record = with_play(rng, test, 0.0, 2e-6)
+        apart = gap * ((record.time > 3.02) & (record.time < 3.2))
+        return changed(record, motor_position=record.motor_position + apart * 2.0 * np.pi / LEAD)
+
+    learnt = learn([braked(f"{i // 4}", 2e-5 * (1.0 + 0.05 * rng.normal())) for i in range(32)])
+    told = judge(braked("another", 1e-4), learnt)
+    assert told.detected and told.family is Family.PLAY
+    assert "reach of the encoders' difference over the run" in told.words[-1]
 
 
 def test_a_baseline_of_too_few_tests_is_refused():

@@ -94,14 +94,15 @@ _FOLLOWING: Mapping[Family, tuple[tuple[str, tuple[int, ...], str], ...]] = {
 """Features that another one takes along, at most as far: effort that hunts or is held is an effort after a stroke. A
 load on an arm varies along a stroke."""
 _BESIDE: Mapping[Family, Mapping[str, tuple[int, ...]]] = {
-    Family.FRICTION_UP: {"lag": (1,), "breakaway": (1,), "roughness": (1,)},
-    Family.PRELOAD_UP: {"lag": (1,), "breakaway": (1,), "roughness": (-1,)},
-    Family.FRICTION_DOWN: {"lag": (-1,), "breakaway": (-1,)},
+    Family.FRICTION_UP: {"lag": (1,), "breakaway": (1, -1), "roughness": (1,)},
+    Family.PRELOAD_UP: {"lag": (1,), "breakaway": (1, -1), "roughness": (-1,)},
+    Family.FRICTION_DOWN: {"lag": (-1,), "breakaway": (1, -1)},
     Family.PLAY: {"lag": (1, -1), "breakaway": (1, -1), "roughness": (1,)},
     Family.LOCAL_DAMAGE: {"roughness": (1,)},
     Family.LOAD: {"lag": (1, -1), "breakaway": (1, -1), "roughness": (1,)},
 }
-"""What a family may change besides. It speaks for no family, but may be what changed most."""
+"""What a family may change besides. It speaks for no family, but may be what changed most. The effort to break away is
+told as what exceeds the effort in motion, which grows with friction, too."""
 _SHARES = ("wave_depth", "wave_both_ways", "bump")
 """Shares of the effort or of its scatter. They fall as what they are shares of rises, which is told by other features.
 """
@@ -149,7 +150,7 @@ def rank(
     """
     every = dict.fromkeys(name for of in (DIRECTIONS, _BESIDE) for directions in of.values() for name in directions)
     known = {name: changes[name] for name in every if np.isfinite(changes.get(name, np.nan))}
-    more = _more_than_wound_up(growths or {})
+    more = _more_than_wound_up(growths or {}, known)
     alone = {name: _by_itself(name, change, more, growths or {}) for name, change in known.items()}
     values = {name: change for name, change in alone.items() if any(name in of for of in DIRECTIONS.values())}
     if not values:
@@ -171,10 +172,14 @@ def rank(
     return tuple(sorted(ranked, key=lambda one: -one.explained))
 
 
-def _more_than_wound_up(growths: Mapping[str, float]) -> dict[str, float]:
-    """By which share the measures of the encoders' difference grew, beyond what winds the train up."""
+def _more_than_wound_up(growths: Mapping[str, float], known: Mapping[str, float]) -> dict[str, float]:
+    """By which share the measures of the encoders' difference grew, beyond what winds the train up.
+
+    Lost motion that moved from about zero grew by any share: an output that floats in a gap scatters and drifts in it.
+    """
     wound = max(0.0, *(growths.get(name, 0.0) for name in _EFFORTS))
-    loose = max(wound, growths.get("lost_motion", 0.0))
+    opened = np.inf if known.get("lost_motion", 0.0) > CONTRADICTED else 0.0
+    loose = max(wound, growths.get("lost_motion", opened))
     beyond = {"lost_motion": wound, "encoder_reach": wound, "encoder_scatter": loose, "encoder_drift": loose}
     return {name: growths[name] - own for name, own in beyond.items() if name in growths}
 
