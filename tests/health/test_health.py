@@ -210,7 +210,7 @@ def test_acquisition_is_judged_first(baseline):
     blank[10] = np.nan
     assert judge(changed(worn, effort=blank), baseline).detected is None
     fast = judge(changed(worn, time=0.5 * worn.time), baseline)
-    assert fast.detected is None and "sample period is 0.01 s" in fast.words[0]
+    assert fast.detected is None and "sample period of 0.01 s is 50% below" in fast.words[0]
 
 
 def with_play(rng, test, play, scatter):
