@@ -202,6 +202,8 @@ def _rounds(
         time.sleep(_EVERY)
         try:
             jobs = _waiting(grouping, task, store, tried, tell)
+        except FileNotFoundError:  # renamed or removed while the folder was read; what it is now is found next time
+            continue
         except InputError as error:  # for example a file's name that does not fit, which its owner may correct
             tell(str(error))
             continue

@@ -122,7 +122,6 @@ def show_numbers(looks: Sequence[Outlook], most: int | None) -> None:
     """Print how the numbers of a unit change, those that changed most first, at most ``most``."""
     if not looks:
         return
-    dated = looks[0].history.dated
     told = _shown_of(len(looks), most, "parameter")
     table = ReportTable(
         f"\n{told[:1].upper()}{told[1:]} over time: healthy value, last value, change, and when it began"
@@ -130,17 +129,17 @@ def show_numbers(looks: Sequence[Outlook], most: int | None) -> None:
     table.words("parameter")
     table.numbers("healthy", "last", "change")
     table.words("since")
-    table.numbers("per month" if dated else "per result", "to the limit", "reaches it in")
+    table.numbers("trend", "to the limit", "reaches it in")
     for look in looks[:most]:
         of = look.history
-        slope = None if look.trend is None else look.trend.slope * (MONTH if dated else 1.0)
+        slope = None if look.trend is None else look.trend.slope * (MONTH if of.dated else 1.0)
         table.add_row(
             escape(number_words(look)),
             quantity(look.healthy, of.unit),
             estimate(float(of.values[-1]), float(of.errors[-1]), of.unit),
             escape(change_of(look)),
             escape(of.names[look.change.begin]) if look.change else "",
-            "no trend" if slope is None else quantity(slope, of.unit),
+            "none" if slope is None else f"{quantity(slope, of.unit)} a {'month' if of.dated else 'result'}",
             "" if look.margin is None else f"{100.0 * look.margin.share:.0f} %",
             life_words(look),
         )

@@ -142,8 +142,9 @@ def run(
     if rrd is not None and unit is not None:
         from ..views.unit_history import write_unit_history
 
-        if not ahead[unit] and health[unit] is None:
-            raise InputError(f"--rrd {rrd}: too few results of {unit} have numbers, and none has health")
+        judged = health[unit]
+        if not ahead[unit] and (judged is None or not judged.judged):
+            raise InputError(f"--rrd {rrd}: too few results of {unit} have numbers, and no health of it was judged")
         tell_of_rrd(rrd, write_unit_history(rrd, ahead[unit], health[unit], force=force))
     if page is not None:
         from ..report.fleet import write_fleet
