@@ -178,7 +178,7 @@ def uv_settings() -> dict[str, str]:
     # global, then install's own, then variables: the later one counts, as for pip
     found = re.findall(r"^(global|install|:env:)\.([\w-]+)='(.*)'$", listed, re.M)
     for _, option, value in sorted(found, key=lambda setting: ("global", "install", ":env:").index(setting[0])):
-        if option in names:
+        if option in names and value.strip():  # pip takes an empty one as none
             between = "," if option == "find-links" else " "
             settings[names[option]] = between.join(value.replace("\\n", " ").split())
     return settings
