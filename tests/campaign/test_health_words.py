@@ -1,13 +1,16 @@
 """What `units` says of a unit's health: how its fault is named over its tests, and what could not be judged."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from ema_twin_sim.campaign.health_rows import health_row, run_of
 from ema_twin_sim.campaign.healthy import Healthy
 from ema_twin_sim.campaign.results import DONE
-from ema_twin_sim.campaign.unit_health import sickest_first, unit_health
+from ema_twin_sim.campaign.unit_health import JudgedTest, sickest_first, unit_health
 from ema_twin_sim.campaign.units import units_of
+from ema_twin_sim.health import Family
 from ema_twin_sim.health.acquisition import Acquisition, Extent
 from ema_twin_sim.report.fleet import write_fleet
 from ema_twin_sim.words.unit_health import health_words, naming_words
@@ -58,6 +61,15 @@ def test_what_no_family_explains_is_told_with_its_feature():
     assert cells[4].startswith("Lost motion between the encoders is ") and naming_words(health) == ""
     assert "none of the families of damage explains: lost motion between the encoders by -" in cells[4]
     assert health.tests[0].as_json()["family"] is None
+
+
+def test_a_test_that_is_unknown_says_why_even_if_its_farthest_recording_has_a_family():
+    _, health = judged(PLAY, UNKNOWN)
+    runs = health.tests[0].runs + health.tests[1].runs * 3
+    mixed = JudgedTest("mixed", (replace(runs[0], distance=99.0), *runs[1:]), (0,) * len(runs))
+    assert mixed.named is None and mixed.worst.family is Family.PLAY
+    told = cells_of(mixed)
+    assert told[3] == "unknown" and told[4].endswith("Check what was changed on the unit and in its test.")
 
 
 def test_a_recording_that_was_cut_names_no_family_and_is_counted():
