@@ -42,14 +42,14 @@ _ADVICE = {
 }
 _SCATTERS = "noise of a sensor, the gain of the control loop or play"
 _ENCODERS = "an encoder that is eccentric or slips, play or the stiffness of the train"
-_PLACES = "damage at a place, cogging or the wavelength"
+_PLACES = "damage at a place, the motor's detents or the wavelength"
 _CAUSES = {
     "friction": "friction, the torque constant or the current sensor",
     "load": "a load or the zero of the current sensor",
     "roughness": _SCATTERS,
     "fast_roughness": _SCATTERS,
     "rest_hunting": _SCATTERS,
-    "slow_roughness": "stick-slip, cogging, the gain of the control loop or play",
+    "slow_roughness": "stick-slip, the motor's detents, the gain of the control loop or play",
     "lag": "the commanded motion, the gain of the control loop, play or the encoder",
     "breakaway": "static friction, inertia, a spring or the acceleration of the test",
     "settling": "static friction, a load that is held or the control loop",
