@@ -157,13 +157,10 @@ def clean_environment() -> dict[str, str]:
 
 
 def uv_settings() -> dict[str, str]:
-    """The user's settings of pip (its files and PIP_ variables) as variables of uv, as far as uv has them."""
+    """Where pip takes packages from (by its files and PIP_ variables), and how, as variables of uv."""
     names = {
-        "index-url": "UV_DEFAULT_INDEX",
-        "extra-index-url": "UV_INDEX",
         "find-links": "UV_FIND_LINKS",
         "trusted-host": "UV_INSECURE_HOST",
-        "no-index": "UV_NO_INDEX",
         "proxy": "ALL_PROXY",
         "cert": "SSL_CERT_FILE",
         "default-timeout": "UV_HTTP_TIMEOUT",
@@ -178,9 +175,11 @@ def uv_settings() -> dict[str, str]:
     # global, then install's own, then variables: the later one counts, as for pip
     found = re.findall(r"^(global|install|:env:)\.([\w-]+)='(.*)'$", listed, re.M)
     for _, option, value in sorted(found, key=lambda setting: ("global", "install", ":env:").index(setting[0])):
-        if option in names and value.strip():  # pip takes an empty one as none
+        # what is about an index, uv calls alike; pip takes an empty value as none
+        name = f"UV_{option.upper().replace('-', '_')}" if "index" in option else names.get(option)
+        if name is not None and value.strip():
             between = "," if option == "find-links" else " "
-            settings[names[option]] = between.join(value.replace("\\n", " ").split())
+            settings[name] = between.join(value.replace("\\n", " ").split())
     return settings
 
 

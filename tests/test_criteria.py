@@ -105,7 +105,7 @@ METHOD = {
     "health/encoders.py": "_REACHED",
     "health/families.py": "_AKAIKE",
     "health/features.py": "_FEW _PEAK _LOCAL _TINY",
-    "health/motion_record.py": "ROUNDING",
+    "health/motion_record.py": "_ROUNDING",
     "health/phases.py": "_SMOOTHED _FEWEST _TOP _STARTING _RESTING",
     "health/remaining_life.py": "_BEYOND",
     "health/wave.py": "FEWEST_CYCLES _FINER _NEIGHBOURS",

@@ -248,17 +248,21 @@ def test_uv_installs_from_where_pip_would(done, checkout, monkeypatch):
         monkeypatch.delenv(name)
     configuration = checkout / "pip.conf"
     configuration.write_text(
-        "[global]\nindex-url = https://packages.example.org/simple\nfind-links =\n  /opt/wheels\n  /srv/wheels\n"
-        "[install]\nindex-url = https://mirror.example.org/simple\nretries = 3\n"
+        "[global]\nproxy = http://of.all:3128\nno-index = true\nfind-links =\n  /opt/wheels\n  /srv/wheels\n"
+        "[install]\nproxy = http://of.installs:3128\nno-cache-dir = false\n"
     )
     monkeypatch.setenv("PIP_CONFIG_FILE", str(configuration))
     monkeypatch.setenv("PIP_DEFAULT_TIMEOUT", "180")
     settings = done.uv_settings()
-    assert settings["UV_DEFAULT_INDEX"] == "https://mirror.example.org/simple"
+    assert settings["ALL_PROXY"] == "http://of.installs:3128"
     assert settings["UV_FIND_LINKS"] == "/opt/wheels,/srv/wheels"
-    assert settings["UV_HTTP_TIMEOUT"] == "180"
-    monkeypatch.setenv("PIP_INDEX_URL", "https://own.example.org/simple")
-    assert done.uv_settings()["UV_DEFAULT_INDEX"] == "https://own.example.org/simple"
+    assert settings["UV_HTTP_TIMEOUT"] == "180" and settings["UV_NO_INDEX"] == "true"
+    assert not any("CACHE" in name for name in settings)
+    monkeypatch.setenv("PIP_PROXY", "http://own:3128")
+    monkeypatch.setenv("PIP_FIND_LINKS", "")
+    settings = done.uv_settings()
+    assert settings["ALL_PROXY"] == "http://own:3128"
+    assert settings["UV_FIND_LINKS"] == "/opt/wheels,/srv/wheels"
 
 
 def test_who_asks_for_the_setup_alone_is_told_the_next_step(checkout, done, monkeypatch, capsys):

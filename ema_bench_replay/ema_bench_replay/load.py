@@ -8,7 +8,9 @@ from pathlib import Path
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
-TRACES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".log")
+OTHER_TRACES = (".txt", ".tsv", ".dat", ".asc", ".log")
+"""How else than with .csv, which every program writes, the names of text traces end."""
+TRACES = (".csv", *OTHER_TRACES)
 """How the names of text traces end. A binary one is refused as no text."""
 
 

@@ -72,6 +72,15 @@ def test_a_test_that_is_unknown_says_why_even_if_its_farthest_recording_has_a_fa
     assert told[3] == "unknown" and told[4].endswith("Check what was changed on the unit and in its test.")
 
 
+def test_a_name_and_its_reason_are_of_the_motions_that_deviate():
+    """One recording of another motion that is off by chance has no say in either."""
+    _, health = judged(PLAY, UNKNOWN, {})
+    play, unknown, healthy = (test.runs[0] for test in health.tests)
+    mixed = JudgedTest("mixed", (play, unknown, unknown, unknown, healthy, healthy, healthy), (0, 1, 1, 1, 1, 1, 1))
+    assert mixed.deviates and mixed.named is not None and mixed.named.family is Family.PLAY
+    assert mixed.why.startswith("This is play")
+
+
 def test_a_recording_that_was_cut_names_no_family_and_is_counted():
     unit, health = judged({}, PLAY, duration=12.0)
     cut = health.tests[1]

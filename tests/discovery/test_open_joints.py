@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.recording import Recording
+from ema_twin_sim.discovery.criteria.few_rows import shows_in_few_rows
 from ema_twin_sim.discovery.criteria.reversals import shows_where_slowest
 from ema_twin_sim.discovery.criteria.worth import has_effect_size
 from ema_twin_sim.discovery.discover import discover
@@ -226,4 +227,16 @@ def test_a_wave_that_a_few_rows_show_is_none(turns, few, joint):
     """Smoothing hides it but where the machine starts and reverses: any two numbers fit these rows."""
     problem, h = in_own_units(moved(turns=turns, seconds=20.0), joint)
     wave = fit(problem, h.with_effect("cogging", {"order": "3"}, {"torque": 0.5, "phase": 0.0}))
-    assert shows_where_slowest(problem, wave, "cogging") is few
+    assert shows_in_few_rows(problem, wave, "cogging") is few
+
+
+@pytest.mark.parametrize(("rest", "named"), [(15.0, {"constant_load"}), (0.0, {"gravity_load", "constant_load"})])
+def test_loads_that_cancel_are_named_only_if_they_explain_the_place(rest, named, joint):
+    """An arm with a counterweight has both; a bump beside them tells that the bend may be of anything."""
+
+    def bent(time, angle, speed):
+        return 20.0 * (0.12 - angle**2) + rest * np.exp(-(((angle - 0.4) / 0.08) ** 2))
+
+    found = discover([moved(bent)], joint)
+    assert {*found.added} == named
+    assert found.verdict == ("unknown" if rest else "explained")

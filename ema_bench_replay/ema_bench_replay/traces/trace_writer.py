@@ -13,7 +13,7 @@ from ema_bench_replay.outputs import new_file
 from ema_bench_replay.recording import Recording
 from ema_bench_replay.traces.import_map import TIME_UNITS, ImportMap
 from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN
-from ema_bench_replay.traces.trace_table import Style
+from ema_bench_replay.traces.trace_rows import Style
 
 _ROWS = 50_000  # formatted at a time
 _MOST_DECIMALS = 24

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from ema_bench_replay.bags.bag_parts import recordings_in
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.load import TRACES
+from ema_bench_replay.load import OTHER_TRACES, TRACES
 
 from ..listing import listed, number_of
 from ..model.model_file import model_files
@@ -155,9 +155,11 @@ def _found(folder: Path, skipped: Sequence[Path], tell: Callable[[str], None]) -
 
     Raises InputError if it holds none.
     """
-    every = [*find_recordings(folder, skipped)]
-    others = [parts for parts in every if parts[0].suffix.lower() in TRACES[1:] and parts[0].is_file()]
-    found = [parts for parts in every if parts[0].suffix.lower() not in TRACES[1:] or parts[0].is_dir()]
+    found: list[tuple[Path, ...]] = []
+    others: list[tuple[Path, ...]] = []
+    for parts in find_recordings(folder, skipped):
+        is_other = parts[0].suffix.lower() in OTHER_TRACES and parts[0].is_file()
+        (others if is_other else found).append(parts)
     if not found and not others:
         raise InputError(f"{folder}: holds no recording; give a folder with CSVs or .mcap files in it")
     kinds = listed(sorted({parts[0].suffix.lower() for parts in others})) if others else ""

@@ -13,7 +13,8 @@ from ..health.baseline import FEWEST_TESTS, Baseline, learn_from
 from ..health.comparable import unlike
 from ..health.false_alarms import FALSE_ALARM
 from ..health.families import Family, Ranked
-from ..health.judgement import HealthJudgement, judge_run, named_together, naming_together
+from ..health.judgement import HealthJudgement, judge_run, naming_together
+from ..health.naming import Naming
 from ..health.run_features import RunFeatures, kinds_of_motion
 from ..listing import first_of
 from .health_rows import run_of
@@ -51,14 +52,13 @@ class JudgedTest:
     @property
     def named(self) -> Ranked | None:
         """The fault family by all of these together; None if nothing was detected, or no family explains it."""
-        ranked = named_together(self._deviating or self.runs) if self.detected else ()
-        best = ranked[0] if ranked and ranked[0].explained > 0.0 else None
-        return None if best is None or best.family is Family.UNKNOWN else best
+        naming = self._naming
+        return None if naming.family is Family.UNKNOWN else naming.ranked[0]
 
     @property
     def why(self) -> str:
         """What all of these together are called and why, or why no family is named, in a sentence or two."""
-        return naming_together(self.runs).sentence if self.detected else ""
+        return self._naming.sentence
 
     @property
     def worst(self) -> HealthJudgement:
@@ -83,6 +83,11 @@ class JudgedTest:
             "probability": None if named is None else named.probability,
             "runs": [_run_json(run) for run in self.runs],
         }
+
+    @property
+    def _naming(self) -> Naming:
+        """What the recordings of the kinds of motion that deviate are called; of all kinds if none does."""
+        return naming_together(self._deviating or self.runs)
 
     @property
     def _deviating(self) -> tuple[HealthJudgement, ...]:
@@ -177,7 +182,8 @@ class Learnt:
 
     def judge(self, run: RunFeatures) -> HealthJudgement:
         """Judge by the baseline of the nearest motion, which also says what differs."""
-        return judge_run(self.read(run), self.kinds[self.kind(run)])
+        baseline = self.kinds[self.kind(run)]
+        return judge_run(run.read_as(baseline.unsigned), baseline)
 
     def read(self, run: RunFeatures) -> RunFeatures:
         """The run with its effort read as that of the healthy runs, as a magnitude or not, where it leaves a doubt."""

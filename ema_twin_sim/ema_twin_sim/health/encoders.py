@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..criteria import ALL_BUT_SPIKES
-from ..reading_noise import smallest_step
-from .motion_record import ROUNDING, MotionRecord
+from .motion_record import MotionRecord, rounding_scatter
 from .phases import Phases
 
 _REACHED = (1.0 - ALL_BUT_SPIKES, ALL_BUT_SPIKES)  # of the samples
@@ -41,7 +40,7 @@ def encoders_apart(record: MotionRecord, phases: Phases) -> EncodersApart:
     fitted = np.linalg.lstsq(columns, record.position[every], rcond=None)[0]
     places, scale = np.split(fitted[:-1], [len(sides[0])]), float(fitted[-1])
     left = record.position[every] - columns @ fitted
-    floor = np.hypot(_rounding(record.position), scale * _rounding(record.motor_position))
+    floor = np.hypot(rounding_scatter(record.position), scale * rounding_scatter(record.motor_position))
     ends = np.cumsum([len(part) for part in rows])[:-1]
     within = [np.hypot(part.std(), floor) for part in np.split(left, ends)]
     ends_of_all = np.quantile(record.position - scale * record.motor_position, _REACHED)
@@ -52,8 +51,3 @@ def encoders_apart(record: MotionRecord, phases: Phases) -> EncodersApart:
         0.5 * float(np.ptp(ends_of_all)),
         float(np.hypot(np.sqrt(np.mean(between)), floor)) if between else None,
     )
-
-
-def _rounding(values: np.ndarray) -> float:
-    """The scatter of rounding a sensor's readings (n,) to its smallest step."""
-    return smallest_step(values, ROUNDING) / float(np.sqrt(12.0))

@@ -155,8 +155,8 @@ def rank(
     values = {name: change for name, change in alone.items() if any(name in of for of in DIRECTIONS.values())}
     if not values:
         return ()
-    measured = {**(beside or {}), **{name: change for name, change in alone.items() if more.get(name, 1.0) > PART
-                or name not in _CONSIDERABLE}}  # fmt: skip
+    slight = {name for name in _CONSIDERABLE if more.get(name, np.inf) <= PART}
+    measured = {**(beside or {}), **{name: change for name, change in alone.items() if name not in slight}}
     found = [
         _explanation(family, values)
         for family in DIRECTIONS

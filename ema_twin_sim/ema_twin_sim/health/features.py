@@ -37,10 +37,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..reading_noise import smallest_step
 from .disturbance import disturbance
 from .encoders import encoders_apart
-from .motion_record import ROUNDING, MotionRecord
+from .motion_record import MotionRecord, rounding_scatter
 from .phases import Phases, Piece, phases_of
 from .wave import FEWEST_CYCLES, beside_wave, wave_phasor
 
@@ -255,7 +254,7 @@ def _typical(scatter: Callable[[np.ndarray], float], parts: list[np.ndarray], fl
 
 def _floor(values: np.ndarray) -> float:
     """The least scatter of a sensor's readings (n,) that can be told from none: that of rounding to its steps."""
-    return max(smallest_step(values, ROUNDING) / np.sqrt(12.0), _TINY * float(np.ptp(values)))
+    return max(rounding_scatter(values), _TINY * float(np.ptp(values)))
 
 
 def _fast(part: np.ndarray) -> float:

@@ -21,7 +21,7 @@ from .comparable import not_comparable
 from .families import Family, Ranked
 from .features import Feature
 from .motion_record import MotionRecord
-from .naming import WORDS, Naming, agreed, name_change
+from .naming import WORDS, Naming, agreed, in_words, name_change
 from .run_features import RunFeatures, run_features
 
 
@@ -77,13 +77,12 @@ def judge_run(run: RunFeatures, baseline: Baseline) -> HealthJudgement:
     naming = name_change(
         {c.name: c for c in changes}, beside, unsigned=acquisition.unsigned, effort_usable=acquisition.effort_usable
     )
-    ranked, family = naming.ranked, naming.family if detected else None
-    why = (naming.sentence,) if detected else ()
+    family, why = (naming.family, (naming.sentence,)) if detected else (None, ())
     return HealthJudgement(
         run.name, run.test, acquisition, told, changes, detected, baseline.false_alarm,
         float(np.nanmax(found / limits)), family,
-        ranked[0].probability if ranked and family not in (None, Family.UNKNOWN) else 0.0,
-        ranked, (*acquisition.findings, *_words(changes, detected, baseline), *why), beside,
+        naming.ranked[0].probability if family not in (None, Family.UNKNOWN) else 0.0,
+        naming.ranked, (*acquisition.findings, *_words(changes, detected, baseline), *why), beside,
     )  # fmt: skip
 
 
@@ -144,7 +143,7 @@ def changed_words(changes: Sequence[Change]) -> str:
 
 def _shown(changes: Sequence[Change]) -> list[Change]:
     """The largest changes that are likely more than chance, three at most."""
-    told = sorted((c for c in changes if c.name in WORDS), key=lambda c: -abs(c.standard_deviations))
+    told = sorted(in_words(changes), key=lambda c: -abs(c.standard_deviations))
     return [c for c in told if abs(c.standard_deviations) > LIKELY][:3]
 
 

@@ -12,12 +12,13 @@ from ema_bench_replay.traces.lacked_columns import lacked_columns
 from ema_bench_replay.units import signal_unit
 
 from ..model.matching import way_of
+from ..reading_noise import smallest_step
 
 POSITIONS = ("output_position", "motor_position")
 SPEED = "speed"
 """Integrated if there is no position."""
 EFFORTS = ("current", "motor_torque")
-ROUNDING = 1e-9  # of its range: what counting a position from the encoder's zero makes differ
+_ROUNDING = 1e-9  # of its range: what counting a position from the encoder's zero makes differ
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,3 +86,13 @@ class MotionRecord:
             place=place,
             unsigned=None if kind is None else kind == MAGNITUDE,
         )
+
+
+def sensor_step(values: np.ndarray) -> float:
+    """The smallest step of a sensor's readings (n,), in their unit."""
+    return smallest_step(values, _ROUNDING)
+
+
+def rounding_scatter(values: np.ndarray) -> float:
+    """The scatter of rounding a sensor's readings (n,) to its smallest step."""
+    return sensor_step(values) / float(np.sqrt(12.0))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from ..criteria import CONTRADICTED, LIKELY, PART, SIGNIFICANT, SUREST
@@ -79,6 +79,11 @@ class Naming:
         """The best of them, or the unknown."""
         best = self.ranked[0] if self.ranked else None
         return Family.UNKNOWN if best is None or best.explained <= 0.0 else best.family
+
+
+def in_words(changes: Iterable[Change]) -> list[Change]:
+    """Those of the changes that are told: not the parts of a wave, whose depth is."""
+    return [change for change in changes if change.name in WORDS]
 
 
 def name_change(
@@ -173,11 +178,11 @@ def _named(ranked: tuple[Ranked, ...]) -> str:
         f"by {reasons}."
     )
     rivals = [other for other in ranked[1:] if other.probability > 1.0 - best.probability or other.probability > PART]
+    advice = _ADVICE[best.family]
     if not rivals:
-        return f"{sentence} {_ADVICE[best.family]}"
+        return f"{sentence} {advice}"
     rival = rivals[0]
     other = "none of them" if rival.family is Family.UNKNOWN else rival.family.value
-    advice = _ADVICE[best.family]
     if rival.family is Family.OFFSET:
         advice += f" {_ADVICE[Family.OFFSET]}"
     return f"{sentence} Alternatively {other} ({rival.probability:.0%}). {advice}"

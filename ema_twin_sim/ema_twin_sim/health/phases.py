@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..criteria import PART, SMALL
-from ..reading_noise import smallest_step
-from .motion_record import ROUNDING, MotionRecord
+from .motion_record import MotionRecord, sensor_step
 
 _SMOOTHED = 5  # samples over which a measured position is averaged before it is differentiated
 _FEWEST = 8  # minimum number of steady samples of a piece
@@ -110,7 +109,7 @@ def _rest(run: slice) -> Piece:
 
 def _speed_of_a_step(record: MotionRecord) -> float:
     """What a measured position that ticks by one step seems to move at; two steps are motion."""
-    return 1.5 * smallest_step(record.position, ROUNDING) / (_SMOOTHED * float(np.median(np.diff(record.time))))
+    return 1.5 * sensor_step(record.position) / (_SMOOTHED * float(np.median(np.diff(record.time))))
 
 
 def _smoothed(values: np.ndarray) -> np.ndarray:

@@ -18,6 +18,7 @@ from ..campaign.units import units_of
 from ..health.acquisition import Extent
 from ..health.judgement import HealthJudgement
 from ..health.motion_record import MotionRecord
+from ..health.naming import in_words
 from ..health.run_features import run_features
 from ..quantities import quantity
 
@@ -96,8 +97,7 @@ class UnitWatch:
                 f"{quantity(change.value, change.unit)}, healthy {quantity(change.healthy, change.unit)} "
                 f"({change.standard_deviations:+.1f} standard deviations)"
             )
-            for change in last.changes
-            if not change.name.startswith("wave_") or change.name == "wave_depth"
+            for change in in_words(last.changes)
         }
         return {
             "judged": last.name,

@@ -74,7 +74,9 @@ def _of_reference(held: Mapping[str, Any]) -> tuple[str, str]:
 
 def _largest(run: HealthJudgement) -> str:
     """The feature that is farthest from the healthy ones, with its change: *lag +16.2*; empty if there is none."""
-    held = [change for change in run.changes if not change.name.startswith("wave_") or change.name == "wave_depth"]
+    from ..health.naming import in_words  # with numpy: only if something is told
+
+    held = in_words(run.changes)
     if not held:
         return ""
     most = max(held, key=lambda change: abs(change.standard_deviations))

@@ -31,6 +31,7 @@ from ...identification.hypothesis import LAG, SIDED
 from ...identification.on_bound import is_simpler_law, reached_bound
 from ...identification.uncertainty import covariance, scaled_inverse
 from ...model.roles import FRICTION, TORQUE_FACTOR
+from .few_rows import shows_in_few_rows
 from .in_place_of_dry_friction import in_place_of_dry_friction
 from .reversals import shows_where_slowest
 from .worth import NOTHING_ELSE, is_lacked, largest_rms_reduction, penalised_gain
@@ -79,8 +80,8 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
     * With known constants no factor may end on a bound of what is possible, or within its error of one: the data ask
       for more than any machine has.
     * With open constants no shape may end on its bound, no share may be one that its effect's file calls impossible
-      for any machine, an effect over a shaft angle must show away from standstill, and no friction may take the place
-      of the machine's dry friction.
+      for any machine, an effect over a shaft angle must show away from standstill and in more than a few rows, and no
+      friction may take the place of the machine's dry friction.
 
     An uncertain shape alone is no reason: size and shape may trade off while their joint action is well known (see
     ``_sureness``).
@@ -102,6 +103,7 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
             _shape_on_bound(problem, f, name)
             or _never_possible(effect, instance.parameters)
             or shows_where_slowest(problem, f, name)
+            or shows_in_few_rows(problem, f, name)
             or in_place_of_dry_friction(problem, f, name)
         ):
             yield name

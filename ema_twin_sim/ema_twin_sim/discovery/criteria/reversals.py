@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ...criteria import FEWEST_ROWS, PART, SMALL
+from ...criteria import PART, SMALL
 from ...effects import catalogue
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
@@ -18,20 +18,15 @@ from ...plant.measured_motion import SPEED, TIME
 
 
 def shows_where_slowest(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    """Whether an added effect over a shaft angle explains only the slowest of the moving rows, or acts on few of all.
+    """Whether an added effect over a shaft angle explains only the slowest of the moving rows.
 
     Not tested for operating points, most of which stand still. Not tested either for a wave so fine that whole cycles
-    pass while the machine is slow: only slow motion shows what smoothing hides at higher speeds. But rows that are too
-    few to tell a mean square well tell no wave.
+    pass while the machine is slow: only slow motion shows what smoothing hides at higher speeds.
     """
     instance = f.hypothesis.added[name]
-    if catalogue()[instance.effect].depends_on != "order" or not problem.size:
+    if catalogue()[instance.effect].depends_on != "order" or "order" not in instance.options or not problem.size:
         return False
     if any(o.of_points for o in problem.observations):
-        return False
-    if _rows_acted_on(problem, f, name) < FEWEST_ROWS:
-        return True
-    if "order" not in instance.options:
         return False
     speed = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in problem.observations])
     limit = float(np.quantile(speed, SMALL))
@@ -43,13 +38,6 @@ def shows_where_slowest(problem: EquationErrorProblem, f: Fit, name: str) -> boo
     less = fit(problem, f.hypothesis.without(name), 6, known=f)
     fall = (problem.costs(less.raw) - problem.costs(f.raw))[: problem.size]
     return float(fall[~slowest].sum()) < SMALL * float(fall.sum())
-
-
-def _rows_acted_on(problem: EquationErrorProblem, f: Fit, name: str) -> float:
-    """On how many rows an added effect acts: their effective number, which is all of them if it acts on all alike."""
-    size = catalogue()[f.hypothesis.added[name].effect].parameters[0].name
-    power = f.slopes()[f"effects.{name}.{size}"][: problem.size] ** 2
-    return float(power.sum() ** 2 / max(float(power @ power), np.finfo(float).tiny))
 
 
 def _way_when_slow(problem: EquationErrorProblem, limit: float) -> float:
