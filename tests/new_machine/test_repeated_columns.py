@@ -55,6 +55,17 @@ def test_a_copy_that_begins_again_with_each_run_is_one_all_the_same():
     assert "output_position" not in taken(logged(position_last=copied))
 
 
+@pytest.mark.parametrize("zero", [1.234567, -40.0])
+def test_a_position_from_the_start_is_no_second_encoder(zero, drafted):
+    said = drafted(logged(**{"relative position": np.round(ANGLE - zero, 6)})).said
+    assert "holds the same values as" in said and "from another zero: it is no second encoder" in said
+
+
+def test_currents_that_differ_by_a_constant_are_no_copies():
+    columns = {"time [s]": TIME, "position": ANGLE, "motor current [A]": TORQUE, "phase current [A]": TORQUE + 0.5}
+    assert taken(columns)["current"] == "motor current [A]"
+
+
 def test_of_equal_columns_that_whose_name_tells_more_is_read():
     found = taken({"time [s]": TIME, "position": ANGLE, "motor position [rad]": ANGLE, "torque": TORQUE})
     assert found["motor_position"] == "motor position [rad]" and "output_position" not in found

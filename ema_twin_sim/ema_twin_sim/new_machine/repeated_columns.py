@@ -27,20 +27,20 @@ _LOOKED_AT = 1000  # rows that rule out most pairs
 def repeated_columns(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> dict[str, str]:
     """By the name of each column that is a copy, what it repeats, in words. ``numbers`` (n,) are each column's.
 
-    Only columns of the same quantity are compared, and commands with commands. Of those that are equal at once, the one
-    whose name tells less is the copy, or else the later one.
+    Only columns of the same quantity are compared, and commands with commands; positions whatever their zero. Of those
+    that are equal at once, the one whose name tells less is the copy, or else the later one.
     """
     columns = [column for column in map(signal_column, reversed(names)) if column and column.name in numbers]
     columns = sorted((column for column in columns if column.quantity in _SIGNALS), key=_tells_little, reverse=True)
     sizes = {column.name: (numbers[column.name], _last_digit(numbers[column.name])) for column in columns}
-    found: dict[str, tuple[Column, int]] = {}
+    found: dict[str, tuple[Column, int, bool]] = {}
     for place, copy in enumerate(columns):
         beside = [
-            (other, later)
+            (other, *repeated)
             for k, other in enumerate(columns)
             if k != place and _is_alike(other, copy) and _first_of_all(other, found)[0] is not copy
-            for later in [_samples_later(sizes[copy.name], sizes[other.name], _factor(copy, other), at_once=k > place)]
-            if later is not None
+            for repeated in [_repeated(copy, sizes[copy.name], other, sizes[other.name], at_once=k > place)]
+            if repeated is not None
         ]
         if beside:
             found[copy.name] = max(beside, key=lambda each: each[1])
@@ -48,13 +48,13 @@ def repeated_columns(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndar
     return {copy.name: _in_words(copy, *_first_of_all(copy, found)) for copy in copies}
 
 
-def _first_of_all(column: Column, found: Mapping[str, tuple[Column, int]]) -> tuple[Column, int]:
-    """The column that this one repeats in the end, itself if it is no copy, and how many samples later."""
-    later = 0
+def _first_of_all(column: Column, found: Mapping[str, tuple[Column, int, bool]]) -> tuple[Column, int, bool]:
+    """The column that this one repeats in the end, itself if it is no copy; samples later, and from another zero."""
+    later, shifted = 0, False
     while column.name in found:
-        column, more = found[column.name]
-        later += more
-    return column, later
+        column, more, beside = found[column.name]
+        later, shifted = later + more, shifted or beside
+    return column, later, shifted
 
 
 def _tells_little(column: Column) -> tuple[bool, ...]:
@@ -79,18 +79,24 @@ def _factor(copy: Column, original: Column) -> float:
     return 1.0 if of_copy is None or of_original is None else of_copy / of_original
 
 
-def _samples_later(
-    copy: tuple[np.ndarray, float], original: tuple[np.ndarray, float], factor: float, *, at_once: bool
-) -> int | None:
-    """After how many samples a copy (n,) repeats an original (n,); None if it does not.
+def _repeated(
+    copy: Column, own: tuple[np.ndarray, float], original: Column, others: tuple[np.ndarray, float], *, at_once: bool
+) -> tuple[int, bool] | None:
+    """(samples, from another zero) after which a copy repeats an original; None if it does not.
 
-    Each comes with the size of its last digit. ``at_once``: whether equal values in the same rows count.
+    Each comes with its values (n,) and the size of its last digit. ``at_once``: whether equal values in the same rows
+    count.
     """
-    values = copy[0] * factor
-    digit = max(copy[1] * factor, original[1])
+    factor = _factor(copy, original)
+    values, digit = own[0] * factor, max(own[1] * factor, others[1])
+    both = own[1] * factor + others[1]  # the difference from another zero is that of two rounded values
     for later in range(0 if at_once else 1, min(_LATEST + 1, len(values))):
-        if _are_equal(values[later:], original[0][: len(values) - later], digit):
-            return later
+        now, before = values[later:], others[0][: len(values) - later]
+        if _are_equal(now, before, digit):
+            return later, False
+        zero = float(np.median(now - before)) if copy.quantity == "position" else 0.0
+        if zero and _are_equal(now - zero, before, both):
+            return later, True
     return None
 
 
@@ -118,9 +124,10 @@ def _last_digit(values: np.ndarray) -> float:
     return next((10.0**-places for places in decimals), 0.0)
 
 
-def _in_words(copy: Column, original: Column, later: int) -> str:
+def _in_words(copy: Column, original: Column, later: int, shifted: bool) -> str:
     """What a column does that is a copy."""
-    end = ": it is no second encoder" if copy.quantity == "position" and not copy.setpoint else ""
+    end = " from another zero" if shifted else ""
+    end += ": it is no second encoder" if copy.quantity == "position" and not copy.setpoint else ""
     if not later:
         return f"holds the same values as {original.name}{end}"
     return f"repeats {original.name} {'one sample' if later == 1 else number_of(later, 'sample')} later{end}"
