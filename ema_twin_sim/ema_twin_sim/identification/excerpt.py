@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from itertools import chain
 
 import numpy as np
 
-from ..criteria import STANDSTILL
+from ..criteria import PART, STANDSTILL
 from ..measured.observation import Observation
 from ..plant.measured_motion import SPEED
 from .equation import EquationErrorProblem
@@ -21,15 +20,17 @@ MOST_TURNS = 8  # reversals of an excerpt beyond which more add nothing
 def excerpt(problem: EquationErrorProblem) -> EquationErrorProblem:
     """The seconds of each recording with the most reversals, for a few recordings.
 
-    Longer excerpts are used if no recording reverses within the usual time, but some do within a longer one.
+    Longer excerpts are used if no recording reverses within the usual time. If none reverses at all, as on a conveyor,
+    they are whole: the teeth may change flanks wherever the drive brakes.
     """
     seen = [o for o in problem.observations if len(o.encoder_rows)]
     longest = max((o.period * len(o.motion) for o in seen), default=EXCERPT)
     doublings = max(0, math.ceil(math.log2(longest / EXCERPT)))
-    tried = ([_telling(o, EXCERPT * 2.0**k, problem.size > 0) for o in seen] for k in range(doublings + 1))
-    shortest = next(tried)
-    reversing = (one for one in chain([shortest], tried) if any(count > 0.0 for count, _ in one))
-    found = next(reversing, shortest)
+    found: list[tuple[float, Observation]] = []
+    for k in range(doublings + 1):
+        found = [_telling(o, EXCERPT * 2.0**k, problem.size > 0) for o in seen]
+        if any(count > 0.0 for count, _ in found):
+            break
     found.sort(key=lambda entry: -entry[0])
     part = EquationErrorProblem([o for _, o in found[:EXCERPTS]])
     return part.under(replace(part.weighting, variance_inflation=problem.weighting.variance_inflation))
@@ -49,12 +50,14 @@ def _telling(o: Observation, duration: float, by_torque: bool) -> tuple[float, O
 def _most_reversals(o: Observation, length: int) -> tuple[int, float]:
     """(first sample, reversals times share in motion) of the best stretch of this many samples.
 
-    A reversal counts if encoder rows are judged before and after it: not while the output is in flight.
+    A reversal counts if encoder rows are judged before and after it: not while the output is in flight; and if it is
+    not close to either end: play is crossed some time after it.
     """
     speed = o.motion[:, SPEED]
     turn = np.flatnonzero(np.diff(np.sign(speed[o.encoder_rows])) != 0)
-    until = np.searchsorted(o.encoder_rows[turn + 1], np.arange(length, len(speed) + 1))
-    before = np.searchsorted(o.encoder_rows[turn], np.arange(len(speed) - length + 1))
+    edge = round(PART * length)
+    until = np.searchsorted(o.encoder_rows[turn + 1], np.arange(length, len(speed) + 1) - edge)
+    before = np.searchsorted(o.encoder_rows[turn], np.arange(len(speed) - length + 1) + edge)
     moving = np.concatenate([[0.0], np.cumsum(np.abs(speed) > STANDSTILL)])
     share = (moving[length:] - moving[: len(moving) - length]) / length
     count = np.clip(until - before, 0, MOST_TURNS) * share  # chatter at standstill is no reversal
