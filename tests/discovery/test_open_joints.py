@@ -222,10 +222,10 @@ def test_a_share_is_between_its_ends(joint):
     assert np.linalg.eigvalsh(spread / np.outer(*2 * [np.sqrt(np.diag(spread))])).min() > -1e-9
 
 
-@pytest.mark.parametrize(("turns", "few"), [(60.0, True), (6.0, False)])
-def test_a_wave_that_a_few_rows_show_is_none(turns, few, joint):
-    """Smoothing hides it but where the machine starts and reverses: any two numbers fit these rows."""
-    problem, h = in_own_units(moved(turns=turns, seconds=20.0), joint)
+@pytest.mark.parametrize(("turns", "size", "few"), [(60.0, 0.0, True), (60.0, 4.0, False), (6.0, 0.0, False)])
+def test_a_wave_that_a_few_rows_show_is_none_unless_several_places_do(turns, size, few, joint):
+    """Smoothing hides it but where the machine starts and reverses: any two numbers fit the rows of one such place."""
+    problem, h = in_own_units(moved(lambda t, angle, v: size * np.sin(3.0 * angle), turns=turns, seconds=20.0), joint)
     wave = fit(problem, h.with_effect("cogging", {"order": "3"}, {"torque": 0.5, "phase": 0.0}))
     assert shows_in_few_rows(problem, wave, "cogging") is few
 

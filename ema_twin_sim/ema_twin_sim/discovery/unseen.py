@@ -12,7 +12,7 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.beyond_noise import told_share
 from ..comparison.running_comparison import share_removed
-from ..criteria import CLEARLY_MORE, FAR_OUT, NOISY, STANDSTILL
+from ..criteria import CLEARLY_MORE, FAR_OUT, NOISY, PART, STANDSTILL
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit, fit
 from ..identification.uncertainty import held_out
@@ -168,6 +168,7 @@ class Unseen:
             "unit": self.unit,
             "noise_floor": self.noise_floor,
             "rmse": list(self.rmse),
+            "moving": list(self.moving),
             output: list(self.output),
             "recordings": [{"name": name, "rmse": list(values)} for name, values in self.recordings],
             "as_given": {
@@ -212,11 +213,23 @@ def squares(
 
 
 def _moving(o: Observation, recording: Recording, model: Model) -> np.ndarray:
-    """Samples (n,) of a recording (SI) in which its motor moves; ``o`` is in the own units of the ``model``."""
+    """Samples (n,) of a recording (SI) whose unexplained torque tells of a moving motor, and of no standstill.
+
+    The filters carry on for a while what they had at standstill; samples in which they do count only if hardly any
+    others are left. ``o`` is in the own units of the ``model``.
+    """
     if o.of_points:
         return np.ones(len(recording), bool)
     second, _ = shown(model, 1.0, "s")
-    return np.interp(recording.time / second, o.motion[:, TIME], np.abs(o.motion[:, SPEED])) >= STANDSTILL
+    still = np.interp(recording.time / second, o.motion[:, TIME], np.abs(o.motion[:, SPEED])) < STANDSTILL
+    stood = np.maximum.accumulate(np.where(still, recording.time, -np.inf))
+    forgotten = recording.time - stood > _settling(recording)
+    return forgotten if np.count_nonzero(forgotten) > PART * np.count_nonzero(~still) else ~still
+
+
+def _settling(recording: Recording) -> float:
+    """Seconds after which the filters of the unexplained torque have forgotten what was before."""
+    return SETTLED * (BALANCE_LAG if recording.has("speed") else COUNTER_LAG)
 
 
 class Judge:
@@ -342,7 +355,7 @@ def gain_where_unseen(f: Fit) -> float:
 
 def _refuse_unsettled(recordings: Sequence[Recording]) -> None:
     """Refuse recordings that all end before the filters of the unexplained torque have settled."""
-    settling = [SETTLED * (BALANCE_LAG if recording.has("speed") else COUNTER_LAG) for recording in recordings]
+    settling = [_settling(recording) for recording in recordings]
     if recordings and all(r.duration <= time for r, time in zip(recordings, settling, strict=True)):
         longest = max(recordings, key=lambda recording: recording.duration)
         raise InputError(

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..comparison.beyond_noise import is_noise, times_words, told_share
-from ..criteria import NOISY, SUREST
+from ..criteria import MOSTLY, NOISY, SUREST
 from ..listing import listed
 from ..quantities import MOST_TIMES, limited_factor, quantity
 
@@ -98,7 +98,11 @@ def left_sentence(unseen: Unseen | UnseenErrors) -> str:
     error = f"the error of the {unseen.signal.replace('_', ' ')}"
     if not math.isfinite(unseen.rmse[-1]):
         return f"After the last step {error} is not known: the simulation of a recording ends with these numbers."
-    return f"After the last step {error} is still {times_words(unseen.rmse[-1] / floor)} the sensors' noise."
+    left = f"After the last step {error} is still {times_words(unseen.rmse[-1] / floor)} the sensors' noise"
+    if not unseen.moving or unseen.moving[-1] ** 2 > (1.0 - MOSTLY) * unseen.rmse[-1] ** 2:
+        return f"{left}."
+    moving = "within it" if unseen.moving[-1] <= NOISY * floor else f"only {times_words(unseen.moving[-1] / floor)}"
+    return f"{left}, but {moving} in motion: at standstill, friction holds any torque below its level."
 
 
 def surest_sentence() -> str:
