@@ -55,13 +55,15 @@ def _beside_lags(recording: Recording, ratio: float) -> float:
     """The ratio of both positions, fitted together with a delay of the output, play, wind-up and an off-centre encoder.
 
     The regression is robust and uses motion only, and only where the output follows at about the ratio of their
-    speeds: at rest, and while play is crossed, it may be anywhere. The ``ratio`` of their ways if that tells no other.
+    speeds: at rest, and while play is crossed, it may be anywhere. If it tells another ratio than most of the speeds,
+    these decide, or else the ``ratio`` of the ways.
     """
     motor, output = (recording.signals[name] for name in ("motor_position", "output_position"))
     step, bend = (smooth(motor, gaussian(_SMOOTHED, 1.0, order)) for order in (1, 2))
     follows = smooth(output, gaussian(_SMOOTHED, 1.0, 1))
     fast = (np.abs(step) > _MOVING * np.nanmax(np.abs(step))) & (np.abs(ratio * follows) > SMALL * np.abs(step))
-    of_speeds = float(np.median(step[fast] / follows[fast])) if fast.sum() >= _FEWEST_TO_REFINE else ratio
+    slopes = np.sort(step[fast] / follows[fast]) if fast.sum() >= _FEWEST_TO_REFINE else np.array([ratio])
+    of_speeds = float(np.median(slopes))
     columns = np.stack([output, step, np.sign(step), bend, np.ones(len(step))], axis=1)
     if np.ptp(output[np.isfinite(output)]) > _ROUND * 2.0 * math.pi:
         columns = np.concatenate([columns, np.sin(output)[:, None], np.cos(output)[:, None]], axis=1)
@@ -72,5 +74,16 @@ def _beside_lags(recording: Recording, ratio: float) -> float:
     )
     if whole.sum() < _FEWEST_TO_REFINE:
         return ratio
-    found = bulk_regression(columns[whole], motor[whole])
-    return float(found[0]) if abs(found[0] / of_speeds - 1.0) < ALIKE else ratio
+    found = float(bulk_regression(columns[whole], motor[whole])[0])
+    return found if abs(found / of_speeds - 1.0) < ALIKE else _most_alike(slopes, ratio)
+
+
+def _most_alike(slopes: np.ndarray, otherwise: float) -> float:
+    """The middle of the half of all slopes (n,), sorted, that differs least; ``otherwise`` unless these are alike.
+
+    An output that is thrown through wide play in each braking follows at the gear's ratio for the rest of its way.
+    """
+    half = len(slopes) // 2
+    first = int(np.argmin(slopes[half:] - slopes[: len(slopes) - half]))
+    low, high = float(slopes[first]), float(slopes[first + half])
+    return 0.5 * (low + high) if abs(high - low) < ALIKE * abs(low) and len(slopes) > 1 else otherwise
