@@ -30,7 +30,7 @@ def warn_of_contradicted_names(guesses: Guesses) -> None:
     from ..new_machine.column_quantity import contradicted_quantity
 
     for guess in guesses.signals:
-        if said := contradicted_quantity(guess.column):
+        if said := contradicted_quantity(guess.column, guess.unit):
             unit = header_words(guess.column)
             warn(
                 f"{guess.column}: its name says {said}, its unit {unit.unit} is one of {unit.quantity}: read as "
