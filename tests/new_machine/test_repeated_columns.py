@@ -95,3 +95,16 @@ def test_a_coarse_output_at_rest_behind_a_fine_motor_is_used():
     output = np.round(behind_play(turned, 0.05), 1)
     found = taken({**logged(position_b=output), "position": np.round(turned, 6)})
     assert {found["motor_position"], found["output_position"]} == {"position", "position_b"}
+
+
+@pytest.mark.parametrize(("way", "told"), [(1.0, "another zero"), (-1.0, "another zero and the other way round")])
+def test_a_position_counted_anew_is_no_second_encoder(way, told, drafted):
+    """A program had computed its angle from the sensor's: the output was said to turn against the motor."""
+    draft = drafted({**logged(), "computed_position": 2.0 + way * ANGLE})
+    assert f"computed_position: not used, since it holds the values of position, counted from {told}" in draft.said
+    assert "output_position" not in draft.map
+
+
+def test_a_second_encoder_on_the_same_shaft_is_no_copy():
+    other = np.round(2.0 - ANGLE + 1e-5 * NOISE[2], 6)
+    assert taken(logged(link_position=other))["output_position"] == "link_position"

@@ -15,7 +15,7 @@ from ema_bench_replay.units import MOTIONS, units_of
 from ..criteria import FEWEST_ROWS, MOSTLY, NEARLY_ALL, NEGLIGIBLE
 from ..listing import number_of
 from .column_quantity import has_word
-from .column_words import FILTERED
+from .column_words import COMPUTED, FILTERED
 from .signal_columns import Column, signal_column
 
 _SIGNALS = {"position": "motor_position", "speed": "speed", "current": "current", "torque": "motor_torque"}
@@ -34,6 +34,7 @@ def repeated_columns(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndar
     columns = sorted((column for column in columns if column.quantity in _SIGNALS), key=_tells_little, reverse=True)
     sizes = {column.name: (numbers[column.name], _last_digit(numbers[column.name])) for column in columns}
     found: dict[str, tuple[Column, int]] = {}
+    zeroed: dict[str, str] = {}
     for place, copy in enumerate(columns):
         beside = [
             (other, later)
@@ -44,8 +45,34 @@ def repeated_columns(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndar
         ]
         if beside:
             found[copy.name] = max(beside, key=lambda each: each[1])
+            continue
+        for other in columns[place + 1 :]:
+            if not (_is_alike(other, copy) and _may_have_another_zero(copy)):
+                continue
+            if how := _from_another_zero(sizes[copy.name], sizes[other.name], _factor(copy, other)):
+                zeroed[copy.name] = f"holds the values of {other.name}, {how}: it is no second encoder"
+                break
     copies = [column for column in columns if column.name in found]
-    return {copy.name: _in_words(copy, *_first_of_all(copy, found)) for copy in copies}
+    return {copy.name: _in_words(copy, *_first_of_all(copy, found)) for copy in copies} | zeroed
+
+
+def _may_have_another_zero(column: Column) -> bool:
+    """Whether a column is a measured position, whose zero and direction a program may have set anew."""
+    return column.quantity == "position" and not column.setpoint
+
+
+def _from_another_zero(copy: tuple[np.ndarray, float], original: tuple[np.ndarray, float], factor: float) -> str:
+    """How a copy (n,) counts an original (n,) anew: from another zero, or also the other way; empty if it does not.
+
+    Each comes with the size of its last digit.
+    """
+    values = copy[0] * factor
+    digit = max(copy[1] * factor, original[1])
+    for sign, way in ((1.0, ""), (-1.0, " and the other way round")):
+        zero = float(np.median(values - sign * original[0]))
+        if np.isfinite(zero) and _are_equal(values - zero, sign * original[0], digit):
+            return f"counted from another zero{way}"
+    return ""
 
 
 def _first_of_all(column: Column, found: Mapping[str, tuple[Column, int]]) -> tuple[Column, int]:
@@ -60,7 +87,7 @@ def _first_of_all(column: Column, found: Mapping[str, tuple[Column, int]]) -> tu
 def _tells_little(column: Column) -> tuple[bool, ...]:
     """How little a column's name tells: of two with the same values, the one with the larger key is the copy."""
     return (
-        has_word(column.read.words, FILTERED),
+        has_word(column.read.words, f"{FILTERED}|{COMPUTED}"),
         column.shaft == "",
         column.shaft == "output",
         column.read.unit is None,
