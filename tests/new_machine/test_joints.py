@@ -210,7 +210,7 @@ def dynamometer(ratio=1.0):
 
 @pytest.mark.parametrize("ratio", [1.0, 6.0])
 def test_what_tells_the_same_drive_again_is_no_joint_beside_it(ratio):
-    """An actuator's log has each motor twice. The second one was said to hang on the first, and taken without current."""
+    """A log has each motor twice: the second was said to hang on the first, and was taken without its current."""
     numbers = dynamometer(ratio)
     joint = guess_columns([*numbers], numbers=numbers).joint
     assert joint.name == "a1" and joint.same == ("c1",) and joint.moving == ("a2", "c2")

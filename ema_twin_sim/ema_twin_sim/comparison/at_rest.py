@@ -1,5 +1,6 @@
 """How much of a signal's squared error is where the machine stands still, in which friction holds any torque up to some
-level, and how much is in motion."""
+level, and how much is in motion.
+"""
 
 from __future__ import annotations
 

@@ -37,7 +37,9 @@ def without_pauses(recording: Recording, *ways: np.ndarray) -> list[np.ndarray]:
     pauses = np.diff(recording.time) > TOO_MUCH * lag_of(recording) * recording.sample_period
     if not pauses.any():
         return [*ways]
-    return [way - np.concatenate([[0.0], np.cumsum(np.nan_to_num(np.where(pauses, np.diff(way), 0.0)))]) for way in ways]
+    return [
+        way - np.concatenate([[0.0], np.cumsum(np.nan_to_num(np.where(pauses, np.diff(way), 0.0)))]) for way in ways
+    ]
 
 
 def standing_position(recording: Recording) -> float | None:

@@ -16,6 +16,7 @@ from .columns import Guesses
 from .joints import likeness
 from .never_changing import never_changes
 from .signal_columns import signal_column
+from .voltages import voltages
 
 
 def with_unknown_units(columns: Collection[str]) -> list[str]:
@@ -44,6 +45,18 @@ def that_may_be_motion(guesses: Guesses, columns: Collection[str], numbers: Mapp
     if any(guess.signal in ("motor_position", "speed") for guess in guesses.signals):
         return []
     return [name for name in columns if _is_unclear(name, guesses, numbers)]
+
+
+def that_may_be_the_drives(guesses: Guesses, columns: Collection[str], numbers: Mapping[str, np.ndarray]) -> list[str]:
+    """Those of the columns whose names tell nothing and whose numbers (n,) change, if a current or torque is missing.
+
+    None if both encoders do without, or if a voltage or a duty cycle may stand for the torque.
+    """
+    signals = {guess.signal for guess in guesses.signals}
+    if signals & {"current", "motor_torque"} or guesses.both_encoders or voltages(guesses):
+        return []
+    commands = that_may_be_commands(guesses, columns, numbers)
+    return [name for name in columns if name not in commands and _is_unclear(name, guesses, numbers)]
 
 
 def that_may_be_commands(guesses: Guesses, columns: Collection[str], numbers: Mapping[str, np.ndarray]) -> list[str]:
