@@ -204,3 +204,13 @@ def test_turns_lost_in_pauses_are_no_gear():
     assert position_shaft(recording, None, units_known=True) == Shaft()
     assert share_beside_speed([recording]) < 0.02 and unlike_speed([recording]) == ""
     assert np.abs(counted - went).max() > 2.0 * np.pi
+
+
+def test_units_are_found_beside_pauses(drafted):
+    """The same, of columns without units: both in degrees, though the angle lost turns in the pauses."""
+    time = np.concatenate([3.0 * k + np.arange(0.0, 2.0, 5e-3) for k in range(8)])
+    speed = np.repeat([900.0, 900.0, 900.0, 500.0, 300.0, -300.0, -500.0, -900.0], 400) + 3.0 * np.resize(NOISE, 3200)
+    went = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))])
+    draft = drafted({"t [s]": time, "angle": np.round(np.mod(went, 360.0), 3), "vel": np.round(speed, 3)})
+    assert "vel → speed in deg/s angle → motor_position in deg" in draft.said
+    assert "gear ratio 1 (give" in draft.said and "of the same shaft" not in draft.said

@@ -262,8 +262,8 @@ def _without_unit(text: str) -> tuple[str, str | None, bool, str]:
             if unit in ("lbf", "ozf") and _TORQUE.search(before) and (of_inches := _after_in(before, mark[0])):
                 return of_inches, f"{unit} in", False, ""
             return before, unit, mark[0] == "_" and after.lower() in _SUBSCRIPTS, ""
-    if not foreign and (found := _before_its_kind(plain) or _turns_a_minute(plain)):
-        return *found, False, ""
+    if not foreign and (read := _before_its_kind(plain) or _turns_a_minute(plain)):
+        return *read, False, ""
     return plain, None, False, foreign
 
 

@@ -29,12 +29,17 @@ def way_by_speed(recording: Recording, lag: int = 0) -> float | None:
 
 
 def without_pauses(recording: Recording, *ways: np.ndarray) -> list[np.ndarray]:
-    """The motions (n,) without what they go while nothing was recorded for long.
+    """The motions (n,) of a recording without what they go while nothing was recorded for long."""
+    return without_long_steps(recording.time, TOO_MUCH * lag_of(recording) * recording.sample_period, *ways)
+
+
+def without_long_steps(time: np.ndarray, longest: float, *ways: np.ndarray) -> list[np.ndarray]:
+    """Motions (n,) without what they go in steps of ``time`` (n,) that are longer than the ``longest`` that counts.
 
     Nobody knows what a pause hides: the speed may change in it, and a position that starts again after each turn does
     not tell how many turns it went.
     """
-    pauses = np.diff(recording.time) > TOO_MUCH * lag_of(recording) * recording.sample_period
+    pauses = np.diff(time) > longest
     if not pauses.any():
         return [*ways]
     return [
