@@ -195,6 +195,7 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
     from ema_bench_replay.traces.trace_table import read_table
 
     from ..new_machine.columns import guess_columns
+    from ..new_machine.interleaved_rows import refuse_interleaved_rows
     from ..new_machine.lengths import at_the_slide, how_to_use_length
     from ..new_machine.rows import with_kind_of_rows
     from ..new_machine.same_names import refuse_same_names
@@ -220,6 +221,7 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
     except InputError as error:
         raise InputError(f"{trace}: header: no time column among {columns}; {error}") from None
     refuse_same_names(table, guesses)
+    refuse_interleaved_rows(table, guesses, numbers)
     guesses = with_units(*counted_on_turns(guesses, numbers), given.gear_ratio)
     rows = len(table.columns[0])
     empty = frozenset(name for name, count in no_numbers.items() if count == rows)
