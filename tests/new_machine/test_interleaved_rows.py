@@ -43,3 +43,13 @@ def test_a_column_that_alternates_beside_one_motion_tells_nothing_apart(drafted,
     trace = write_columns(tmp_path / "coarse.csv", {**columns, "time [s]": np.floor(TIME / 0.08) * 0.08})
     with pytest.raises(InputError, match=r"time repeats .* more decimals or, if rows of several parts"):
         drafted(trace)
+
+
+def test_comments_at_random_tell_nothing_apart(drafted, tmp_path):
+    words = np.random.default_rng(4).choice(["", "ok", "Pause"], len(TIME))
+    columns = {"time [s]": TIME, "comment": words, "position [rad]": np.round(np.sin(2.0 * TIME), 1)}
+    columns["torque [N m]"] = np.round(np.cos(2.0 * TIME), 5)
+    trace = tmp_path / "one.csv"
+    rows = zip(*columns.values(), strict=True)
+    trace.write_text("\n".join([",".join(columns), *(",".join(map(str, row)) for row in rows)]) + "\n")
+    assert "position [rad] → motor_position" in drafted(trace).said

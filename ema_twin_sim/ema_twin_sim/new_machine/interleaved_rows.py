@@ -58,8 +58,14 @@ def _keys(
             names = [f"{value:.0f}" for value in whole]
         else:
             continue
-        if 1 < len(names) <= _MOST_PARTS and np.mean(np.diff(parts) != 0) > MOSTLY:
+        if 1 < len(names) <= _MOST_PARTS and all(names) and _take_turns(parts, len(names)):
             yield name, parts, names
+
+
+def _take_turns(parts: np.ndarray, count: int) -> bool:
+    """Whether each part mostly comes again after all ``count`` parts, as no comment or state of one machine does."""
+    later = np.concatenate([np.diff(np.flatnonzero(parts == part)) for part in range(count)])
+    return float(np.sum(later == count)) > MOSTLY * len(parts)
 
 
 def _cells(table: TraceTable, place: int) -> list[str]:
@@ -81,6 +87,6 @@ def _apart_over_all(way: np.ndarray, parts: np.ndarray) -> float:
     steps = np.abs(np.diff(way))
     apart = np.concatenate([np.abs(np.diff(way[parts == part])) for part in np.unique(parts)])
     apart, steps = apart[np.isfinite(apart)], steps[np.isfinite(steps)]
-    if min(len(apart), len(steps)) < FEWEST or not np.median(steps) > 0.0:
+    if min(len(apart), len(steps)) < FEWEST or not np.mean(steps) > 0.0:
         return 1.0
-    return float(np.median(apart) / np.median(steps))
+    return float(np.mean(apart) / np.mean(steps))

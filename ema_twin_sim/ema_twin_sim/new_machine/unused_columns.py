@@ -15,6 +15,7 @@ from .column_words import ACCELERATION_UNIT, DUTY, DUTY_SETTING, NO_SIGNAL, POWE
 from .columns import Guesses
 from .joints import likeness
 from .never_changing import never_changes
+from .row_counters import numbers_the_rows
 from .signal_columns import signal_column
 from .voltages import voltages
 
@@ -80,7 +81,9 @@ def that_may_be_commands(guesses: Guesses, columns: Collection[str], numbers: Ma
 def _is_unclear(name: str, guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> bool:
     """Whether a column changes, its name tells nothing, and nothing else was said of it."""
     told = {*guesses.row_counters, *guesses.clock_counters, *guesses.sign_bits}
-    return name not in told and _tells_nothing(name) and not never_changes(numbers[name])
+    if name in told or not _tells_nothing(name):
+        return False
+    return not (never_changes(numbers[name]) or numbers_the_rows(numbers[name]))
 
 
 def _tells_nothing(name: str) -> bool:
