@@ -50,8 +50,10 @@ def _keys(
         if name in used or len(values) < FEWEST:
             continue
         if np.isnan(values).all():
-            cells = _cells(table, place)
-            told, parts = np.unique(cells, return_inverse=True) if len(cells) == len(values) else ([], values)
+            cells = np.array(_cells(table, place))
+            if len(cells) != len(values):
+                continue
+            told, parts = np.unique(cells, return_inverse=True)
             names = [str(cell) for cell in told]
         elif np.isfinite(values).all() and np.array_equal(values, np.rint(values)):
             whole, parts = np.unique(values, return_inverse=True)
