@@ -54,3 +54,13 @@ def test_a_torque_that_is_no_controllers_tells_no_gains():
     assert drive_gains(Recording("run", recording.stamps, signals), 1.0) is None
     del signals["speed_setpoint"]
     assert drive_gains(Recording("run", recording.stamps, signals), 1.0) is None
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_torque_always_at_its_limit_shows_no_gains():
+    """As of a relay; a warning of a library came out in place of nothing."""
+    time = np.arange(2000) * 2e-3
+    speed = np.cos(3.0 * time)
+    signals = {"current": np.sign(speed) + (speed == 0.0), "speed": speed, "speed_setpoint": 1.1 * speed}
+    recording = Recording("relay", np.rint(time * 1e9).astype(np.int64), signals)
+    assert drive_gains(recording, 1.0) is None

@@ -217,3 +217,15 @@ def test_who_waits_for_a_bench_is_told_once_that_there_is_none():
     session.tick()
     session.tick()
     assert len(told) == 1 and told[0].startswith("No bench publishes /bench/state.")
+
+
+def test_a_speed_in_whole_numbers_is_asked_about(drafted):
+    """A drive's "Servo motor speed" in turns per minute, without a unit, was read in rad/s without a word."""
+    time = np.arange(2000) * 1e-3
+    speed = 900.0 * np.sin(3.0 * time)
+    columns = {"time [s]": time, "Servo motor speed": np.round(speed), "torque [N m]": 0.1 * np.sign(speed)}
+    said = drafted(columns).told
+    assert "speed goes in steps of 1 rad/s, as of whole numbers, and no unit is given; is its column in rpm" in said
+    for name, values in (("Servo motor speed", np.round(speed, 1)), ("Servo motor speed [rad/s]", np.round(speed))):
+        more = {key: column for key, column in columns.items() if not key.startswith("Servo")}
+        assert "whole numbers" not in drafted({**more, name: values}).told

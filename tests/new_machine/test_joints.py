@@ -185,3 +185,39 @@ def test_a_torque_flange_behind_a_single_shaft_stays_its_load(flange):
 def test_a_momentum_is_no_torque(name):
     numbers = {"time [s]": TIME, "position [rad]": np.sin(TIME), name: np.cos(TIME)}
     assert "motor_torque" not in taken(numbers)
+
+
+def dynamometer(ratio=1.0):
+    """Two drives on one shaft with a sensor between: a1 drives, a2 brakes, and c1 and c2 tell the motors of both."""
+    speed = 20.0 * np.sin(0.9 * TIME) + 5.0 * np.sin(2.3 * TIME)
+    way = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(TIME))])
+    torque = 0.3 * np.cos(0.9 * TIME) + 0.2 * np.sign(speed)
+    brake = -0.1 * speed / 20.0
+    noise = np.random.default_rng(1).normal(size=(2, len(TIME)))
+    columns = {"time [s]": TIME}
+    for drive, trq, read in ((1, torque + 1e-3 * noise[0], way), (2, brake, 0.98 * way + 2e-3 * noise[1])):
+        columns |= {
+            f"a{drive} position [rad]": read / ratio,
+            f"a{drive} velocity [rad/s]": np.gradient(read, TIME) / ratio,
+            f"a{drive} torque [Nm]": trq * ratio,
+            f"a{drive} q-axis [A]": trq / 0.1,
+            f"c{drive} position [rev]": read / (2.0 * np.pi),
+            f"c{drive} vel [Hz]": np.gradient(read, TIME) / (2.0 * np.pi),
+            f"c{drive} torque [Nm]": trq,
+        }
+    return {**columns, "trs605-5 torque [Nm]": 0.95 * torque * ratio}
+
+
+@pytest.mark.parametrize("ratio", [1.0, 6.0])
+def test_what_tells_the_same_drive_again_is_no_joint_beside_it(ratio):
+    """A log has each motor twice: the second was said to hang on the first, and was taken without its current."""
+    numbers = dynamometer(ratio)
+    joint = guess_columns([*numbers], numbers=numbers).joint
+    assert joint.name == "a1" and joint.same == ("c1",) and joint.moving == ("a2", "c2")
+    assert "; c1 tells the same drive again, in other units or at another shaft; a2, c2 move too" in joint.sentence
+    assert taken(numbers)["current"] == "a1 q-axis [A]"
+
+
+def test_the_type_of_a_sensor_is_no_joints_number():
+    """The only sensor of the torque between two drives was dropped without a word."""
+    assert taken(dynamometer())["load_torque"] == "trs605-5 torque [Nm]"

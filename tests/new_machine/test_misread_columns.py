@@ -5,6 +5,7 @@ import pytest
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.traces.header_words import COUNTS, header_words
+from ema_twin_sim.new_machine.column_quantity import contradicted_quantity
 from ema_twin_sim.new_machine.columns import guess_columns
 from tests.trace_text import write_columns
 
@@ -204,3 +205,22 @@ def test_a_unit_that_the_header_tells_is_not_asked_about(drafted):
         draft = drafted({"time [s]": TIME, "current [A]": CURRENT, name: speed})
         assert ("is its column in rpm, and read as rad/s?" in draft.warned) is asked
         assert ("'steps/s' is not a unit of the speed" in draft.warned) is not asked
+
+
+def test_a_capital_letter_beside_units_is_a_unit():
+    """A tachometer's encoder_V was read as an angle in rad."""
+    assert signals("time_s", "current_A", "encoder_V") == {"current_A": "current", "encoder_V": "voltage"}
+    assert contradicted_quantity("encoder_V", "V") == "position" and contradicted_quantity("encoder_V") == ""
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        ("time_s", "torque_Nm", "position_A", "speed_A"),  # an axis A
+        ("time_s", "torque_Nm", "current_A", "speed_A"),
+        ("time", "torque", "speed_A"),  # no unit tells how this header is written
+        ("time_s", "torque_Nm", "speed_v"),
+    ],
+)
+def test_a_letter_of_a_part_or_a_small_one_is_no_unit(header):
+    assert signals(*header)[header[-1]] == "speed"

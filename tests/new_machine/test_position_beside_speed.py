@@ -5,7 +5,13 @@ import pytest
 
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.new_machine.columns import guess_columns
-from ema_twin_sim.new_machine.position_beside_speed import going_with_speed, not_summed, unlike_speed
+from ema_twin_sim.new_machine.position_beside_speed import (
+    going_with_speed,
+    not_summed,
+    share_beside_speed,
+    unlike_speed,
+)
+from ema_twin_sim.new_machine.shaft import Shaft, position_shaft
 from tests.taken_columns import taken
 
 TIME = np.arange(2000) * 5e-3
@@ -185,3 +191,26 @@ def test_a_factor_between_both_is_told_of_a_shaft_and_of_a_carriage(unit, per_se
     assert "changes 0.5 times as much as the integral of the speed" in draft.map and asked[unit] in draft.map
     right = drafted({"time [s]": TIME, **run, f"position [{unit}]": way(speed)})
     assert "times as much as the integral" not in right.map
+
+
+def test_turns_lost_in_pauses_are_no_gear():
+    """A controller records each speed for 2 s and then waits 1 s; its angle starts again after each turn."""
+    time = np.concatenate([3.0 * k + np.arange(0.0, 2.0, 5e-3) for k in range(8)])
+    speed = np.repeat([14.0, 14.0, 14.0, 9.0, 5.0, -5.0, -9.0, -14.0], 400) + 0.05 * np.resize(NOISE, len(time))
+    went = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))])
+    counted = np.unwrap(np.mod(went, 2.0 * np.pi))
+    stamps = np.rint(time * 1e9).astype(np.int64)
+    recording = Recording("r", stamps, {"speed": speed, "motor_position": counted})
+    assert position_shaft(recording, None, units_known=True) == Shaft()
+    assert share_beside_speed([recording]) < 0.02 and unlike_speed([recording]) == ""
+    assert np.abs(counted - went).max() > 2.0 * np.pi
+
+
+def test_units_are_found_beside_pauses(drafted):
+    """The same, of columns without units: both in degrees, though the angle lost turns in the pauses."""
+    time = np.concatenate([3.0 * k + np.arange(0.0, 2.0, 5e-3) for k in range(8)])
+    speed = np.repeat([900.0, 900.0, 900.0, 500.0, 300.0, -300.0, -500.0, -900.0], 400) + 3.0 * np.resize(NOISE, 3200)
+    went = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))])
+    draft = drafted({"t [s]": time, "angle": np.round(np.mod(went, 360.0), 3), "vel": np.round(speed, 3)})
+    assert "vel → speed in deg/s angle → motor_position in deg" in draft.said
+    assert "gear ratio 1 (give" in draft.said and "of the same shaft" not in draft.said

@@ -58,7 +58,7 @@ def test_a_copy_that_begins_again_with_each_run_is_one_all_the_same():
 @pytest.mark.parametrize("zero", [1.234567, -40.0])
 def test_a_position_from_the_start_is_no_second_encoder(zero, drafted):
     said = drafted(logged(**{"relative position": np.round(ANGLE - zero, 6)})).said
-    assert "holds the same values as" in said and "from another zero: it is no second encoder" in said
+    assert "counted from another zero: it is no second encoder" in said
 
 
 def test_currents_that_differ_by_a_constant_are_no_copies():
@@ -106,3 +106,16 @@ def test_a_coarse_output_at_rest_behind_a_fine_motor_is_used():
     output = np.round(behind_play(turned, 0.05), 1)
     found = taken({**logged(position_b=output), "position": np.round(turned, 6)})
     assert {found["motor_position"], found["output_position"]} == {"position", "position_b"}
+
+
+@pytest.mark.parametrize(("way", "told"), [(1.0, "another zero"), (-1.0, "another zero and the other way round")])
+def test_a_position_counted_anew_is_no_second_encoder(way, told, drafted):
+    """A program had computed its angle from the sensor's: the output was said to turn against the motor."""
+    draft = drafted({**logged(), "computed_position": 2.0 + way * ANGLE})
+    assert f"computed_position: not used, since it holds the values of position, counted from {told}" in draft.said
+    assert "output_position" not in draft.map
+
+
+def test_a_second_encoder_on_the_same_shaft_is_no_copy():
+    other = np.round(2.0 - ANGLE + 1e-5 * NOISE[2], 6)
+    assert taken(logged(link_position=other))["output_position"] == "link_position"

@@ -62,3 +62,15 @@ def test_an_action_in_the_positions_unit_commands_it(drafted):
     angle = np.sin(3.0 * TIME)
     columns = {"time": TIME, "angle [rad]": angle, "action [rad]": np.sin(3.0 * TIME + 0.05), "torque": FORCE}
     assert "action [rad] → output_command" in drafted(columns).said
+
+
+def test_what_may_be_the_missing_current_is_asked_about(drafted):
+    columns = {"t": TIME, "rpm": SPEED, "rpm_sp": 1.1 * SPEED, "out": FORCE, "sp": SPEED**2, "z": 0.0 * TIME}
+    columns["index"] = np.arange(len(TIME))  # the number of a row is nothing to ask about
+    said = drafted(columns).said
+    assert (
+        "out: not read, since its name does not tell what it is, and no current or torque was found: is it one" in said
+    )
+    assert "'motor current [A]' or 'torque command [N m]'" in said
+    for more in ({"torque": FORCE}, {"duty": FORCE}):  # which there is, or which may stand for it
+        assert "out: not read" not in drafted({**columns, **more}).said

@@ -2,7 +2,7 @@
 
 import pytest
 
-from ema_bench_replay.traces.header_words import header_words, in_other_letters
+from ema_bench_replay.traces.header_words import COUNTS, header_words, in_other_letters
 
 
 @pytest.mark.parametrize(
@@ -127,3 +127,37 @@ def test_words_in_brackets_that_tell_which_value_it_is_are_no_unit(name, words, 
     read = header_words(name)
     assert read.words[: len(words)] == words and read.unit == unit and read.foreign == ""
     assert header_words("torque (pu)").foreign == "pu"
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "words"),
+    [
+        ("rpm_sp", "rpm", ("sp",)),
+        ("rpm_out", "rpm", ("out",)),
+        ("speed_rpm_cmd", "rpm", ("speed", "cmd")),
+        ("wheel rpm 1", "rpm", ("wheel", "1")),
+        ("rpm_left", "rpm", ("rpm", "left")),
+        ("setrpm", "rpm", ("setrpm",)),
+        ("torque_Nm_filtered", "N m", ("torque", "filtered")),
+        ("torque_Nm_2", "N m", ("torque", "2")),
+        ("pos_rad_des", "rad", ("pos", "des")),
+        ("vel_rad_s_ref", "rad/s", ("vel", "ref")),
+        ("current_mA_meas", "mA", ("current", "meas")),
+        ("encoder_counts_raw", COUNTS, ("encoder", "raw")),
+    ],
+)
+def test_a_unit_before_the_kind_of_value_is_read(name, unit, words):
+    """A setpoint rpm_sp beside a speed rpm was read in rad/s."""
+    read = header_words(name)
+    assert read.unit == unit and read.words == words and not read.in_doubt and read.foreign == ""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("acc_m_s_2", "alpha_rad_s_2", "inertia_kg_m_2", "area_mm_2"),  # powers
+        *("turn_ref", "count_raw", "current_A_cmd", "temp_c_filt", "erpm"),  # words, letters, electrical turns
+    ],
+)
+def test_what_only_looks_like_a_unit_before_the_kind_of_value_is_none(name):
+    assert header_words(name).unit is None

@@ -136,6 +136,17 @@ _OF_A_NAME = frozenset(
 )
 """Words in brackets that tell which value of a signal it is, or of which part, and are no unit: ``speed (actual)``."""
 
+_KINDS = rf"{'|'.join(_OF_A_NAME)}|des|tgt|goal|sollwert|istwert|fb|out|avg|mean|mittel|cmded"
+"""Words behind a unit that tell which value of a signal it is, or of which part: ``torque_Nm_cmd``."""
+
+_KIND_BEHIND = re.compile(rf"(.*?[^\s_])((?:[\s_]+(?:{_KINDS}))+)", re.IGNORECASE)
+_NUMBER_BEHIND = re.compile(rf"(.*?[^\s_])((?:[\s_]+(?:{_KINDS}))*[\s_]+\d+(?:[\s_]+(?:{_KINDS}))*)", re.IGNORECASE)
+_WORDS_TOO = frozenset({COUNTS, "rev", "s", "ms", "us", "ns"})
+"""Units whose names are words too, so that a name that begins with one need not tell a unit: ``turn_ref``."""
+
+_TURNS_A_MINUTE = re.compile(r"(?:set|ref|cmd|act|meas)?(k?rpm)")
+"""A word that is nothing but a unit, wherever it stands in a name: ``rpm_left``, ``setrpm``."""
+
 _IN_OTHER_LETTERS = {
     "time": r"时间|時間|時刻|时刻|시간|время",
     "temperature": r"温度|溫度|온도|температур",
@@ -251,7 +262,34 @@ def _without_unit(text: str) -> tuple[str, str | None, bool, str]:
             if unit in ("lbf", "ozf") and _TORQUE.search(before) and (of_inches := _after_in(before, mark[0])):
                 return of_inches, f"{unit} in", False, ""
             return before, unit, mark[0] == "_" and after.lower() in _SUBSCRIPTS, ""
+    if not foreign and (read := _before_its_kind(plain) or _turns_a_minute(plain)):
+        return *read, False, ""
     return plain, None, False, foreign
+
+
+def _before_its_kind(name: str) -> tuple[str, str] | None:
+    """A name without a unit behind which only words of a kind of value or a number stand, and that unit; else None.
+
+    A number may also be a power: behind a length, or a unit in several words, as in ``acc_m_s_2``, it tells nothing.
+    """
+    by_kind = _KIND_BEHIND.fullmatch(name)
+    if (found := by_kind or _NUMBER_BEHIND.fullmatch(name)) is None:
+        return None
+    before = found[1]
+    rest, unit, in_doubt, _ = ("", _unit(before), False, "") if _unit(before) else _without_unit(before)
+    written = before[len(rest) :].strip(" _,/")
+    if unit is None or in_doubt or len(written) < 2 or (not rest and unit in _WORDS_TOO):
+        return None
+    if by_kind is None and (re.search(r"[\s_/]", written) or unit in units_of("motor_position", "linear")):
+        return None
+    return f"{rest} {found[2].strip(' _')}".strip(), unit
+
+
+def _turns_a_minute(name: str) -> tuple[str, str] | None:
+    """A name with a word that is turns per minute, and that unit; None without, or with a rate or ratio of it."""
+    words = _words(name)
+    found = next(filter(None, map(_TURNS_A_MINUTE.fullmatch, words)), None)
+    return None if found is None or "per" in words else (name, found[1])
 
 
 def _after_in(before: str, mark: str) -> str:

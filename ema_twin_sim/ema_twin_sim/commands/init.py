@@ -16,6 +16,7 @@ from . import options
 from .asked_machine import GEAR_RATIO, TORQUE_CONSTANT, asked
 from .output import say, warn
 from .shown_draft import (
+    ask_for_drive,
     ask_for_motion,
     in_unit,
     say_next,
@@ -194,13 +195,14 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
     from ema_bench_replay.traces.trace_table import read_table
 
     from ..new_machine.columns import guess_columns
+    from ..new_machine.interleaved_rows import refuse_interleaved_rows
     from ..new_machine.lengths import at_the_slide, how_to_use_length
     from ..new_machine.rows import with_kind_of_rows
     from ..new_machine.same_names import refuse_same_names
     from ..new_machine.sign_bits import how_to_decode
     from ..new_machine.turns import counted_on_turns
     from ..new_machine.units_by_numbers import with_units
-    from ..new_machine.unused_columns import that_may_be_commands, that_may_be_motion
+    from ..new_machine.unused_columns import that_may_be_commands, that_may_be_motion, that_may_be_the_drives
 
     table = read_table(trace, needed=lambda header: ())
     columns = some_of(filter(None, table.header))
@@ -219,6 +221,7 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
     except InputError as error:
         raise InputError(f"{trace}: header: no time column among {columns}; {error}") from None
     refuse_same_names(table, guesses)
+    refuse_interleaved_rows(table, guesses, numbers)
     guesses = with_units(*counted_on_turns(guesses, numbers), given.gear_ratio)
     rows = len(table.columns[0])
     empty = frozenset(name for name, count in no_numbers.items() if count == rows)
@@ -273,10 +276,13 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
     runs = run_columns(guesses.left)
     unused = [name for name in guesses.left if name and name not in {*no_numbers, *runs}]
     say_unused(guesses, unused)
-    if guesses.signals and (unread := that_may_be_motion(guesses, unused, numbers)):
+    unread = that_may_be_motion(guesses, unused, numbers)
+    if guesses.signals and unread:
         ask_for_motion(unread)
     elif unclear := that_may_be_commands(guesses, unused, numbers):
         say_unclear(unclear, guesses.motion)
+    if guesses.signals and not unread and (unread := that_may_be_the_drives(guesses, unused, numbers)):
+        ask_for_drive(unread)
     for name in runs:
         count = count_of_runs(numbers[name])
         if count > 1:

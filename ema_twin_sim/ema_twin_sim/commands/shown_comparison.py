@@ -12,6 +12,7 @@ from ..comparison.beyond_noise import beyond_noise, shown_signals
 from ..criteria import SMALL
 from ..listing import listed
 from ..quantities import quantity
+from ..words.at_rest import at_rest_sentence
 from ..words.decisive import decisive_sentence
 from ..words.error_cells import ALL, error_cell, noise_cell
 from ..words.sentences import by_number, input_words
@@ -50,7 +51,7 @@ def show_comparison(comparisons: Sequence[Comparison], labels: Sequence[str] = (
         _show_where(comparison, titled=len(comparisons) > 1)
     _show_shifts(comparisons)
     for comparison in comparisons:
-        if sentence := decisive_sentence(comparison, start):
+        for sentence in filter(None, (decisive_sentence(comparison, start), at_rest_sentence(comparison))):
             of = f" ({comparison.model})" if len(comparisons) > 1 else ""
             say(f"\nNote{of}: {sentence}.")
 

@@ -30,7 +30,7 @@ def warn_of_contradicted_names(guesses: Guesses) -> None:
     from ..new_machine.column_quantity import contradicted_quantity
 
     for guess in guesses.signals:
-        if said := contradicted_quantity(guess.column):
+        if said := contradicted_quantity(guess.column, guess.unit):
             unit = header_words(guess.column)
             warn(
                 f"{guess.column}: its name says {said}, its unit {unit.unit} is one of {unit.quantity}: read as "
@@ -76,12 +76,21 @@ def say_unused(guesses: Guesses, columns: Sequence[str]) -> None:
 
 def ask_for_motion(unread: Sequence[str]) -> None:
     """Ask whether columns whose names tell nothing are a position or a speed, which no other column is."""
+    _ask_for(unread, "position or speed", "'motor position [deg]' or 'motor speed [rpm]'")
+
+
+def ask_for_drive(unread: Sequence[str]) -> None:
+    """Ask the same about a current or a torque; what a controller gives out may command it."""
+    _ask_for(unread, "current or torque", "'motor current [A]' or 'torque command [N m]'")
+
+
+def _ask_for(unread: Sequence[str], what: str, names: str) -> None:
     one = len(unread) == 1
     unclear = "its name does not tell what it is" if one else "their names do not tell what they are"
     question = "is it one?" if one else "is one of them?"
     say(
-        f"{_shortened(unread)}: not read, since {unclear}, and no position or speed was found: {question} "
-        "Then say so in its name, as in 'motor position [deg]' or 'motor speed [rpm]', and run init again"
+        f"{_shortened(unread)}: not read, since {unclear}, and no {what} was found: {question} "
+        f"Then say so in its name, as in {names}, and run init again"
     )
 
 

@@ -26,6 +26,7 @@ from ..parallel import simulations
 from ..simulation.angle_origins import angle_origins, without_common_zero
 from ..simulation.compared_signals import UNITS
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
+from .at_rest import AtRest, at_rest
 from .beyond_noise import beyond_noise, shown_signals
 from .decisive_stretch import DecisiveStretch, decisive_stretch
 from .running_comparison import RunningComparison, SignalError
@@ -79,6 +80,7 @@ class Comparison:
     """A model compared with recordings; ``overall`` pools all samples, ``where`` is what the errors depend on.
 
     ``misread`` are the warnings that put every number in doubt, such as a wrong unit: to be told before the errors.
+    ``at_rest`` has the signals whose errors are mostly at standstill.
     """
 
     model: str
@@ -91,6 +93,7 @@ class Comparison:
     motion: str = "rotary"
     misread: tuple[str, ...] = ()
     shift: SetpointShift | None = None
+    at_rest: Mapping[str, AtRest] = field(default_factory=dict)
 
     def as_json(self) -> dict[str, object]:
         """For ``compare --json``; ``setpoint_shift`` [s] if the machine follows its setpoint earlier than the twin."""
@@ -164,6 +167,7 @@ def compare(
         if parts
         for dependence in _dependences(model, name, parts, torques.get(name), slow)
     ]
+    still = {name: found for name, parts in stretches.items() if (found := at_rest(parts, slow)) is not None}
     misread = (*_inconsistent(given, asked), *unusual_currents(given, asked))
     return Comparison(
         model.name,
@@ -181,6 +185,7 @@ def compare(
         "rotary" if model.units is None else "linear",
         misread,
         setpoint_shift(shifts, recordings[0].sample_period, model.value("machine.gear_ratio"), together),
+        still,
     )
 
 

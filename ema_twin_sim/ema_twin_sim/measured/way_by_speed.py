@@ -9,7 +9,7 @@ import numpy as np
 from ema_bench_replay.long_columns import pieces
 from ema_bench_replay.recording import Recording
 
-from ..criteria import LIKELY, MOSTLY, NEGLIGIBLE, PART, SMALL
+from ..criteria import LIKELY, MOSTLY, NEGLIGIBLE, PART, SMALL, TOO_MUCH
 from ..reading_noise import reading_noise
 
 WINDOW = 0.1  # own s over which displacements are compared
@@ -24,8 +24,27 @@ def way_by_speed(recording: Recording, lag: int = 0) -> float | None:
     if not recording.has("speed", "motor_position"):
         return None
     lag = lag or lag_of(recording)
-    position, travelled = recording.signals["motor_position"], travelled_by_speed(recording)
+    position, travelled = without_pauses(recording, recording.signals["motor_position"], travelled_by_speed(recording))
     return steady_factor(position[lag:] - position[:-lag], travelled[lag:] - travelled[:-lag])
+
+
+def without_pauses(recording: Recording, *ways: np.ndarray) -> list[np.ndarray]:
+    """The motions (n,) of a recording without what they go while nothing was recorded for long."""
+    return without_long_steps(recording.time, TOO_MUCH * lag_of(recording) * recording.sample_period, *ways)
+
+
+def without_long_steps(time: np.ndarray, longest: float, *ways: np.ndarray) -> list[np.ndarray]:
+    """Motions (n,) without what they go in steps of ``time`` (n,) that are longer than the ``longest`` that counts.
+
+    Nobody knows what a pause hides: the speed may change in it, and a position that starts again after each turn does
+    not tell how many turns it went.
+    """
+    pauses = np.diff(time) > longest
+    if not pauses.any():
+        return [*ways]
+    return [
+        way - np.concatenate([[0.0], np.cumsum(np.nan_to_num(np.where(pauses, np.diff(way), 0.0)))]) for way in ways
+    ]
 
 
 def standing_position(recording: Recording) -> float | None:

@@ -45,14 +45,17 @@ def _only_numbers(letter: str, words: Sequence[str]) -> bool:
     return not all(re.search(known, word) for word in words[2:])
 
 
-def contradicted_quantity(name: str) -> str:
+def contradicted_quantity(name: str, unit: str | None = None) -> str:
     """The quantity that a column's words give if its unit is clearly of another one; empty if both agree.
+
+    ``unit`` is the one in which it is read, if that is known.
 
     Not a contradiction: a torque in amperes, and a speed of an encoder. Symbols of one letter are not considered.
     """
     read = header_words(name)
     said = {quantity for quantity, pattern in STEMS.items() if has_word(read.words, pattern)}
-    if read.quantity is None or read.in_doubt or not said or read.quantity in said:
+    in_doubt = read.in_doubt and read.unit != unit
+    if read.quantity is None or in_doubt or not said or read.quantity in said:
         return ""
     if read.quantity == "current" and "torque" in said:
         return ""

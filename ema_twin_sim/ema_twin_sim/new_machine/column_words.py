@@ -73,6 +73,8 @@ SUPPLY = r"supply|^(dc|bus|battery|batt)$|zwischenkreis|versorg"
 TRANSDUCER = r"^sensor|transducer|^cell$|loadcell|messwelle|dehn|strain|^tr[sd]$|^futek$|^kistler$|^hbm$"
 """Names of transducers, with those of usual series (TRS605, TRD605) and makers, that measure the torque behind a
 machine whose current or own torque is measured too."""
+SENSOR_SERIES = r"^tr[sd]$"
+"""Names of series of such transducers, whose type is a number behind them, and no joint's: ``trs605-5``."""
 INERTIAL = r"^imus?$|^gyro|^ahrs$"
 """Names of inertial sensors, whose turning is that of what they are fixed to: taken only if no shaft's is there."""
 TOOL = r"^(tcp|tool|flange|cartesian|cart|eef|wrench)$"

@@ -13,7 +13,7 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import AT_EITHER_SHAFT, MAY_BE_MAGNITUDES
-from ema_bench_replay.traces.header_words import COUNTS, HeaderWords, header_words
+from ema_bench_replay.traces.header_words import COUNTS, HeaderWords, header_words, is_unit
 from ema_bench_replay.traces.import_map import TIME_UNITS
 from ema_bench_replay.units import units_of
 
@@ -170,7 +170,7 @@ def guess_columns(
     names = [header_words(name) for name in header]
     telling = _telling(names, numbers)
     linear = _is_linear(telling) or (slides and any(_is_length(read) for read in telling))
-    names = [_settled(read, linear) for read in names]
+    names = [_settled(read, linear, names) for read in names]
     time = time_column(names, numbers)
     if time is not None and time.name in no_numbers:
         raise InputError(
@@ -306,12 +306,23 @@ def _is_length(read: HeaderWords) -> bool:
     return bool(read.linear) and not read.in_doubt and read.quantity in ("position", "speed")
 
 
-def _settled(read: HeaderWords, linear: bool) -> HeaderWords:
-    """The name after deciding whether an ambiguous letter is a unit or a subscript."""
+def _settled(read: HeaderWords, linear: bool, names: Sequence[HeaderWords]) -> HeaderWords:
+    """The name, one of the header's, after deciding whether an ambiguous letter is a unit or a subscript."""
     if not read.in_doubt:
         return read
     fits = read.quantity == word_quantity(read.words) and (read.linear is None or read.linear == linear)
-    return replace(read, in_doubt=False) if fits else read.as_subscript()
+    return replace(read, in_doubt=False) if fits or _is_written_as_a_unit(read, names) else read.as_subscript()
+
+
+def _is_written_as_a_unit(read: HeaderWords, names: Sequence[HeaderWords]) -> bool:
+    """Whether a capital letter ends one name alone, beside names that end in units: ``encoder_V`` beside ``time_s``.
+
+    A letter of a part ends the names of several columns, and a subscript is small.
+    """
+    tails = {other.name: other.name.strip().rpartition("_")[2] for other in names if "_" in other.name}
+    letter = tails.pop(read.name, "")
+    beside = any(is_unit(tail) and (len(tail) > 1 or tail == "s") for tail in tails.values())
+    return letter in ("A", "V") and letter not in tails.values() and beside
 
 
 def _time(read: HeaderWords) -> Guess:

@@ -42,6 +42,8 @@ def drive_gains(recording: Recording, torque_constant: float) -> DriveGains | No
         return None
     summed = np.concatenate([[0.0], np.cumsum(0.5 * (error[1:] + error[:-1]) * np.diff(recording.time))])
     within = np.abs(torque) < (1.0 - SMALL) * np.quantile(np.abs(torque), ALL_BUT_SPIKES)  # where no torque limit acts
+    if np.count_nonzero(within) < _FEWEST:
+        return None
     signals = np.stack([error, summed, torque])
     for width in _WIDTHS:
         if found := _by_lag(_smoothed(signals, width), within):

@@ -18,9 +18,10 @@ from ema_bench_replay.traces.header_words import HeaderWords
 from ema_bench_replay.units import MOTIONS, units_of
 
 from ..criteria import NEGLIGIBLE, PART, SMALL
+from ..measured.load_sensor import exact_factor
 from .column_quantity import has_word
 from .column_words import TOOL
-from .part_names import part_in_the_name, part_of
+from .part_names import part_in_the_name, part_of, without_type
 
 _DRIVES = frozenset({"current", "torque"})
 _MOVES = ("position", "speed")
@@ -35,13 +36,14 @@ class Joint:
     """The number or name of the joint whose columns are taken, and those of the others; empty if there is only one.
 
     ``undriven`` are those that go farther, but whose current or torque never changes; ``moving`` those of the others
-    that go a considerable part as far.
+    that go a considerable part as far; ``same`` those that only tell the same drive again.
     """
 
     name: str = ""
     others: tuple[str, ...] = ()
     undriven: tuple[str, ...] = ()
     moving: tuple[str, ...] = ()
+    same: tuple[str, ...] = ()
 
     @property
     def sentence(self) -> str:
@@ -57,7 +59,11 @@ class Joint:
 
     @property
     def _beside_it(self) -> str:
-        """What joints that move beside it do to it; empty if none does."""
+        """What tells the same drive again, and what joints that move beside it do to it; empty if nothing does."""
+        if self.same:
+            tell = "tells" if len(self.same) == 1 else "tell"
+            again = f"; {some_of(self.same)} {tell} the same drive again, in other units or at another shaft"
+            return again + replace(self, same=())._beside_it
         if not self.moving:
             return ""
         move = "moves" if len(self.moving) == 1 else "move"
@@ -101,7 +107,14 @@ def one_joint(
     known = {part_in_the_name(part, read.name): part for part, read in joints.items()}
     ways = {name: travel(joints[part], numbers) for name, part in known.items()}
     driven = {name for name, part in known.items() if _is_driven(part, columns, numbers, parts)}
-    chosen = wanted if wanted in known else max(known, key=lambda name: (name in driven, ways[name]))
+    again = {name: _told_again(name, known, columns, numbers, parts) for name in known}
+
+    def worth(name: str) -> tuple[bool, float, bool, float]:
+        """How much speaks for a joint: of those that tell the same drive, the one whose current is known."""
+        has_current = any(c.quantity == "current" for c in _drives(known[name], columns, numbers, parts))
+        return name in driven, max(ways[other] for other in (name, *again[name])), has_current, ways[name]
+
+    chosen = wanted if wanted in known else max(known, key=worth)
     undriven = tuple(name for name in known if name not in driven and chosen in driven and ways[name] > ways[chosen])
     own, others = known[chosen], [part for name, part in known.items() if name != chosen]
     own_first = sorted(columns, key=lambda column: parts[column.read.name] != own)
@@ -111,8 +124,39 @@ def one_joint(
         if not _is_of_others(parts[column.read.name], own, others)
         and (by_number or not _is_elsewhere(column, parts[column.read.name], own))
     ]
-    moving = tuple(name for name in known if name != chosen and ways[name] > PART * ways[chosen])
-    return Joint(chosen, tuple(name for name in known if name != chosen), undriven, moving), kept
+    same = again[chosen]
+    moving = tuple(name for name in known if name not in (chosen, *same) and ways[name] > PART * ways[chosen])
+    return Joint(chosen, tuple(name for name in known if name != chosen), undriven, moving, same), kept
+
+
+def _told_again(
+    name: str,
+    known: Mapping[str, Part],
+    columns: Sequence[JointColumn],
+    numbers: Mapping[str, np.ndarray],
+    parts: Mapping[str, Part],
+) -> tuple[str, ...]:
+    """The names of what tells the same drive as one: all that both measure is a factor apart, to the last digits.
+
+    A log may hold a drive's own units and those of its output, both computed from one encoder and one current.
+    """
+
+    def measured(part: Part) -> dict[str, np.ndarray]:
+        """The first column of each quantity of a part."""
+        own = [c for c in reversed(columns) if parts[c.read.name] == part and c.read.name in numbers and not c.setpoint]
+        return {c.quantity: numbers[c.read.name] for c in own if c.quantity in (*_MOVES, *_DRIVES)}
+
+    def is_same(one: Mapping[str, np.ndarray], other: Mapping[str, np.ndarray]) -> bool:
+        """Whether all that both hold is a factor apart; one quantity alone tells nothing."""
+        both = [quantity for quantity in one if quantity in other]
+        return len(both) > 1 and all(
+            exact_factor(one[quantity] - np.nanmean(one[quantity]), other[quantity] - np.nanmean(other[quantity]))
+            is not None
+            for quantity in both
+        )
+
+    own = measured(known[name])
+    return tuple(other for other, part in known.items() if other != name and is_same(own, measured(part)))
 
 
 def _without_tool(columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray]) -> Sequence[JointColumn]:
@@ -189,7 +233,7 @@ def _changes(values: np.ndarray) -> bool:
 
 def _number_of(read: HeaderWords) -> Part:
     """The numbers in a column's name, including one in brackets."""
-    return tuple(word for word in (*read.words, read.foreign) if word.isdigit())
+    return tuple(word for word in (*without_type(read.words), read.foreign) if word.isdigit())
 
 
 def _parts_by_words(columns: Sequence[JointColumn]) -> dict[str, Part]:

@@ -13,8 +13,9 @@ from dataclasses import replace
 from ema_bench_replay.traces.header_words import HeaderWords
 
 from .column_quantity import has_word, word_quantity
-from .column_words import OF_A_SYMBOL, OF_NO_PART, STEMS, SYMBOLS
+from .column_words import OF_A_SYMBOL, OF_NO_PART, SENSOR_SERIES, STEMS, SYMBOLS
 
+_AXIS = ("axis", "achse")
 _LONG_SYMBOLS = frozenset(word for known in SYMBOLS.values() for word in known if len(word) > 1)
 
 
@@ -24,9 +25,11 @@ def part_of(read: HeaderWords, quantity: str | None, *, load: bool = True) -> tu
     A symbol is left out only if it is what tells the ``quantity``: the X of ``X_position`` tells an axis. ``load``:
     whether ``l`` is the load's side; beside ``r`` it is the left.
     """
-    words = [*read.words, read.foreign] if read.foreign.isdigit() else [*read.words]
+    words = [*without_type(read.words), read.foreign] if read.foreign.isdigit() else [*without_type(read.words)]
     symbol = None if is_told(read) else next((word for word in words if word in SYMBOLS.get(quantity or "", ())), None)
     of_current = quantity in ("current", "voltage")
+    if of_current:  # the quadrature axis is none of the machine's
+        words = [word for k, word in enumerate(words) if not (word in _AXIS and words[max(0, k - 1)] in ("d", "q"))]
     return tuple(
         word
         for word in words
@@ -38,6 +41,17 @@ def part_of(read: HeaderWords, quantity: str | None, *, load: bool = True) -> tu
             or (re.search(OF_NO_PART, word) and (load or word != "l"))
         )
     )
+
+
+def without_type(words: Sequence[str]) -> list[str]:
+    """A name's words without the numbers behind a sensor's series, which tell its type: 605 and 5 of ``trs605-5``."""
+    kept: list[str] = []
+    of_series = False
+    for word in words:
+        of_series = re.search(SENSOR_SERIES, word) is not None or (of_series and word.isdigit())
+        if not (of_series and word.isdigit()):
+            kept.append(word)
+    return kept
 
 
 def part_in_the_name(part: Sequence[str], name: str) -> str:

@@ -15,7 +15,7 @@ from ema_bench_replay.traces.wrapped_angle import counted_on
 
 from ..criteria import LIKELY, MOSTLY, NEGLIGIBLE, PART, SMALL, SPIKE
 from ..measured.spoilt_samples import spoilt
-from ..measured.way_by_speed import FEWEST, travelled_by_speed
+from ..measured.way_by_speed import FEWEST, travelled_by_speed, without_pauses
 from ..reading_noise import reading_noise
 
 _PARTS = (20, 40, 100)  # of a recording, over each of which the ways are compared
@@ -98,12 +98,13 @@ def _likeness(recording: Recording) -> float:
     position, wrong = _position(recording), spoilt(recording.signals["motor_position"])
     if np.mean(wrong) < NEGLIGIBLE:  # these are left out wherever the recording is used
         position = np.where(wrong, np.nan, position)
-    return _alike(position, travelled_by_speed(recording))
+    return _alike(*without_pauses(recording, position, travelled_by_speed(recording)))
 
 
 def _jumps(recording: Recording) -> int:
     """In how many rows a position goes far beyond the speed, if it goes with it in all others; else 0."""
-    steps, ways = np.diff(recording.signals["motor_position"]), np.diff(travelled_by_speed(recording))
+    both = without_pauses(recording, recording.signals["motor_position"], travelled_by_speed(recording))
+    steps, ways = map(np.diff, both)
     known = np.isfinite(steps) & np.isfinite(ways)
     steps, ways = steps[known], ways[known]
     kept = np.ones(len(steps), bool)

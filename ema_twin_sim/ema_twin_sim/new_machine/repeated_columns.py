@@ -15,7 +15,7 @@ from ema_bench_replay.units import MOTIONS, units_of
 from ..criteria import FEWEST_ROWS, MOSTLY, NEARLY_ALL, NEGLIGIBLE
 from ..listing import number_of
 from .column_quantity import has_word
-from .column_words import FILTERED
+from .column_words import COMPUTED, FILTERED
 from .signal_columns import Column, signal_column
 
 _SIGNALS = {"position": "motor_position", "speed": "speed", "current": "current", "torque": "motor_torque"}
@@ -27,40 +27,67 @@ _LOOKED_AT = 1000  # rows that rule out most pairs
 def repeated_columns(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> dict[str, str]:
     """By the name of each column that is a copy, what it repeats, in words. ``numbers`` (n,) are each column's.
 
-    Only columns of the same quantity are compared, and commands with commands; positions whatever their zero. Of those
-    that are equal at once, the one whose name tells less is the copy, or else the later one.
+    Only columns of the same quantity are compared, and commands with commands. Of those that are equal at once, the one
+    whose name tells less is the copy, or else the later one.
     """
     columns = [column for column in map(signal_column, reversed(names)) if column and column.name in numbers]
     columns = sorted((column for column in columns if column.quantity in _SIGNALS), key=_tells_little, reverse=True)
     sizes = {column.name: (numbers[column.name], _last_digit(numbers[column.name])) for column in columns}
-    found: dict[str, tuple[Column, int, bool]] = {}
+    found: dict[str, tuple[Column, int]] = {}
+    zeroed: dict[str, str] = {}
     for place, copy in enumerate(columns):
         beside = [
-            (other, *repeated)
+            (other, later)
             for k, other in enumerate(columns)
             if k != place and _is_alike(other, copy) and _first_of_all(other, found)[0] is not copy
-            for repeated in [_repeated(copy, sizes[copy.name], other, sizes[other.name], at_once=k > place)]
-            if repeated is not None
+            for later in [_samples_later(sizes[copy.name], sizes[other.name], _factor(copy, other), at_once=k > place)]
+            if later is not None
         ]
         if beside:
             found[copy.name] = max(beside, key=lambda each: each[1])
+            continue
+        for other in columns[place + 1 :]:
+            if not (_is_alike(other, copy) and _may_have_another_zero(copy)):
+                continue
+            if how := _from_another_zero(sizes[copy.name], sizes[other.name], _factor(copy, other)):
+                zeroed[copy.name] = f"holds the values of {other.name}, {how}: it is no second encoder"
+                break
     copies = [column for column in columns if column.name in found]
-    return {copy.name: _in_words(copy, *_first_of_all(copy, found)) for copy in copies}
+    return {copy.name: _in_words(copy, *_first_of_all(copy, found)) for copy in copies} | zeroed
 
 
-def _first_of_all(column: Column, found: Mapping[str, tuple[Column, int, bool]]) -> tuple[Column, int, bool]:
-    """The column that this one repeats in the end, itself if it is no copy; samples later, and from another zero."""
-    later, shifted = 0, False
+def _may_have_another_zero(column: Column) -> bool:
+    """Whether a column is a measured position, whose zero and direction a program may have set anew."""
+    return column.quantity == "position" and not column.setpoint
+
+
+def _from_another_zero(copy: tuple[np.ndarray, float], original: tuple[np.ndarray, float], factor: float) -> str:
+    """How a copy (n,) counts an original (n,) anew: from another zero, or also the other way; empty if it does not.
+
+    Each comes with the size of its last digit.
+    """
+    values = copy[0] * factor
+    digit = copy[1] * factor + original[1]  # the zero is known no better than two rounded values tell it
+    for sign, way in ((1.0, ""), (-1.0, " and the other way round")):
+        zero = float(np.median(values - sign * original[0]))
+        if np.isfinite(zero) and _are_equal(values - zero, sign * original[0], digit):
+            return f"counted from another zero{way}"
+    return ""
+
+
+def _first_of_all(column: Column, found: Mapping[str, tuple[Column, int]]) -> tuple[Column, int]:
+    """The column that this one repeats in the end, itself if it is no copy, and how many samples later."""
+    later = 0
     while column.name in found:
-        column, more, beside = found[column.name]
-        later, shifted = later + more, shifted or beside
-    return column, later, shifted
+        column, more = found[column.name]
+        later += more
+    return column, later
 
 
 def _tells_little(column: Column) -> tuple[bool, ...]:
     """How little a column's name tells: of two with the same values, the one with the larger key is the copy."""
     return (
-        has_word(column.read.words, FILTERED),
+        has_word(column.read.words, f"{FILTERED}|{COMPUTED}"),
         column.shaft == "",
         column.shaft == "output",
         column.read.unit is None,
@@ -79,24 +106,18 @@ def _factor(copy: Column, original: Column) -> float:
     return 1.0 if of_copy is None or of_original is None else of_copy / of_original
 
 
-def _repeated(
-    copy: Column, own: tuple[np.ndarray, float], original: Column, others: tuple[np.ndarray, float], *, at_once: bool
-) -> tuple[int, bool] | None:
-    """(samples, from another zero) after which a copy repeats an original; None if it does not.
+def _samples_later(
+    copy: tuple[np.ndarray, float], original: tuple[np.ndarray, float], factor: float, *, at_once: bool
+) -> int | None:
+    """After how many samples a copy (n,) repeats an original (n,); None if it does not.
 
-    Each comes with its values (n,) and the size of its last digit. ``at_once``: whether equal values in the same rows
-    count.
+    Each comes with the size of its last digit. ``at_once``: whether equal values in the same rows count.
     """
-    factor = _factor(copy, original)
-    values, digit = own[0] * factor, max(own[1] * factor, others[1])
-    both = own[1] * factor + others[1]  # the difference from another zero is that of two rounded values
+    values = copy[0] * factor
+    digit = max(copy[1] * factor, original[1])
     for later in range(0 if at_once else 1, min(_LATEST + 1, len(values))):
-        now, before = values[later:], others[0][: len(values) - later]
-        if _are_equal(now, before, digit):
-            return later, False
-        zero = float(np.median(now - before)) if copy.quantity == "position" else 0.0
-        if zero and _are_equal(now - zero, before, both):
-            return later, True
+        if _are_equal(values[later:], original[0][: len(values) - later], digit):
+            return later
     return None
 
 
@@ -124,10 +145,9 @@ def _last_digit(values: np.ndarray) -> float:
     return next((10.0**-places for places in decimals), 0.0)
 
 
-def _in_words(copy: Column, original: Column, later: int, shifted: bool) -> str:
+def _in_words(copy: Column, original: Column, later: int) -> str:
     """What a column does that is a copy."""
-    end = " from another zero" if shifted else ""
-    end += ": it is no second encoder" if copy.quantity == "position" and not copy.setpoint else ""
+    end = ": it is no second encoder" if copy.quantity == "position" and not copy.setpoint else ""
     if not later:
         return f"holds the same values as {original.name}{end}"
     return f"repeats {original.name} {'one sample' if later == 1 else number_of(later, 'sample')} later{end}"

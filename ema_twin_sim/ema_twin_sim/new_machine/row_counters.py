@@ -36,3 +36,8 @@ def _rises_evenly(values: np.ndarray | None) -> bool:
         return False
     steps = np.diff(values)
     return bool(steps[0] > 0.0 and np.abs(steps - steps[0]).max() <= NEGLIGIBLE**4 * steps[0])
+
+
+def numbers_the_rows(values: np.ndarray) -> bool:
+    """Whether values (n,) rise by one from row to row, as an index does, however uneven the time is."""
+    return _rises_evenly(values) and float(values[1] - values[0]) == 1.0

@@ -35,7 +35,10 @@ def questions_about_units(
 
 
 def _by_whole_numbers(recording: Recording, units: Mapping[str, str | None]) -> Iterator[str]:
-    """A question if a position without a unit is read in steps of a radian or more, which no encoder has."""
+    """Questions if a position or a speed without a unit is read in steps of a radian or more, or of that a second.
+
+    No encoder has such steps, and drives tell speeds in whole numbers of turns per minute, or of their own steps.
+    """
     for signal in ("motor_position", "output_position"):
         if not recording.has(signal) or units.get(signal) is not None:
             continue
@@ -44,6 +47,14 @@ def _by_whole_numbers(recording: Recording, units: Mapping[str, str | None]) -> 
             yield (
                 f"{recording.name}: {signal} goes in steps of {step:.3g} rad, and no unit is given; does its column "
                 f"count an encoder's steps? Then add [counts] to its name, or give `counts_per_revolution` in the map"
+            )
+    if recording.has("speed") and units.get("speed") is None:
+        step = smallest_step(recording.signals["speed"][np.isfinite(recording.signals["speed"])])
+        if step is not None and step >= 1.0 - NEGLIGIBLE:
+            yield (
+                f"{recording.name}: speed goes in steps of {step:.3g} rad/s, as of whole numbers, and no unit is "
+                "given; is its column in rpm, or in the drive's own steps? Then add [rpm] to its name, or give its "
+                "`factor` in the map"
             )
 
 

@@ -18,6 +18,7 @@ from ema_bench_replay.units import units_of
 
 from ..criteria import NEGLIGIBLE, SMALL
 from ..measured.usual_sizes import USUAL
+from ..measured.way_by_speed import without_long_steps
 from .columns import Guess, Guesses
 from .command_units import commands_with_units, why_no_command
 from .compared_ways import differences, is_open, radians, steady
@@ -197,4 +198,5 @@ def _unusual(position: Guess, one: float, speed: Guess) -> Guess:
 def _ways(position: np.ndarray, speed: np.ndarray, time: np.ndarray) -> float | None:
     """Distance in the position's unit per unit of distance by the speed; None if the position does not follow it."""
     travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))])
-    return steady(*differences(position, travelled))
+    window = float(np.median(differences(time)[0]))
+    return steady(*differences(*without_long_steps(time, window, position, travelled)))

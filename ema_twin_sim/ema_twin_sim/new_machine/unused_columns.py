@@ -15,7 +15,9 @@ from .column_words import ACCELERATION_UNIT, DUTY, DUTY_SETTING, NO_SIGNAL, POWE
 from .columns import Guesses
 from .joints import likeness
 from .never_changing import never_changes
+from .row_counters import numbers_the_rows
 from .signal_columns import signal_column
+from .voltages import voltages
 
 
 def with_unknown_units(columns: Collection[str]) -> list[str]:
@@ -46,6 +48,18 @@ def that_may_be_motion(guesses: Guesses, columns: Collection[str], numbers: Mapp
     return [name for name in columns if _is_unclear(name, guesses, numbers)]
 
 
+def that_may_be_the_drives(guesses: Guesses, columns: Collection[str], numbers: Mapping[str, np.ndarray]) -> list[str]:
+    """Those of the columns whose names tell nothing and whose numbers (n,) change, if a current or torque is missing.
+
+    None if both encoders do without, or if a voltage or a duty cycle may stand for the torque.
+    """
+    signals = {guess.signal for guess in guesses.signals}
+    if signals & {"current", "motor_torque"} or guesses.both_encoders or voltages(guesses):
+        return []
+    commands = that_may_be_commands(guesses, columns, numbers)
+    return [name for name in columns if name not in commands and _is_unclear(name, guesses, numbers)]
+
+
 def that_may_be_commands(guesses: Guesses, columns: Collection[str], numbers: Mapping[str, np.ndarray]) -> list[str]:
     """Those of the columns that command something that their names do not tell, or that move as a position does.
 
@@ -67,7 +81,9 @@ def that_may_be_commands(guesses: Guesses, columns: Collection[str], numbers: Ma
 def _is_unclear(name: str, guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> bool:
     """Whether a column changes, its name tells nothing, and nothing else was said of it."""
     told = {*guesses.row_counters, *guesses.clock_counters, *guesses.sign_bits}
-    return name not in told and _tells_nothing(name) and not never_changes(numbers[name])
+    if name in told or not _tells_nothing(name):
+        return False
+    return not (never_changes(numbers[name]) or numbers_the_rows(numbers[name]))
 
 
 def _tells_nothing(name: str) -> bool:

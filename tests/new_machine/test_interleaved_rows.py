@@ -1,0 +1,55 @@
+"""`init` refuses traces in which the rows of several motors take turns, and names the column that tells them apart."""
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.errors import InputError
+from tests.trace_text import write_columns
+
+TIME = np.arange(800) * 0.02
+
+
+def turns(names, *, same_time, spread=1.0):
+    """Rows of two motors in turn, each with its own angle, at the same times or one after the other."""
+    time = np.repeat(TIME, 2) + (0.0 if same_time else np.tile([0.0, 0.007], len(TIME)))
+    angles = [np.sin(2.0 * TIME), spread * (3.0 + np.cos(1.3 * TIME))]
+    torques = [np.cos(2.0 * TIME), -np.sin(1.3 * TIME)]
+    return {
+        "time": np.round(time, 4),
+        "motor": np.tile(names, len(TIME)),
+        "position [rad]": np.round(np.stack(angles, 1).ravel(), 5),
+        "torque [N m]": np.round(np.stack(torques, 1).ravel(), 5),
+    }
+
+
+@pytest.mark.parametrize("same_time", [True, False])
+@pytest.mark.parametrize("names", [[1, 2], ["left", "right"]])
+def test_rows_of_two_motors_are_refused(names, same_time, drafted, tmp_path):
+    """Two motors on a bus were read as one, whose position was said to have nothing in common with its speed."""
+    trace = tmp_path / "both.csv"
+    columns = turns(names, same_time=same_time)
+    rows = zip(*columns.values(), strict=True)
+    trace.write_text("\n".join([",".join(columns), *(",".join(map(str, row)) for row in rows)]) + "\n")
+    said = rf"column 'motor' tells 2 parts apart \({names[0]}, {names[1]}\), and their rows take turns: write the rows"
+    with pytest.raises(InputError, match=said):
+        drafted(trace)
+
+
+def test_a_column_that_alternates_beside_one_motion_tells_nothing_apart(drafted, tmp_path):
+    angle = np.round(np.sin(2.0 * TIME), 5)
+    columns = {"time [s]": TIME, "tick": np.arange(len(TIME)) % 4, "position [rad]": angle}
+    draft = drafted({**columns, "torque [N m]": np.round(np.cos(2.0 * TIME), 5)})
+    assert "position [rad] → motor_position" in draft.said
+    trace = write_columns(tmp_path / "coarse.csv", {**columns, "time [s]": np.floor(TIME / 0.08) * 0.08})
+    with pytest.raises(InputError, match=r"time repeats .* more decimals or, if rows of several parts"):
+        drafted(trace)
+
+
+def test_comments_at_random_tell_nothing_apart(drafted, tmp_path):
+    words = np.random.default_rng(4).choice(["", "ok", "Pause"], len(TIME))
+    columns = {"time [s]": TIME, "comment": words, "position [rad]": np.round(np.sin(2.0 * TIME), 1)}
+    columns["torque [N m]"] = np.round(np.cos(2.0 * TIME), 5)
+    trace = tmp_path / "one.csv"
+    rows = zip(*columns.values(), strict=True)
+    trace.write_text("\n".join([",".join(columns), *(",".join(map(str, row)) for row in rows)]) + "\n")
+    assert "position [rad] → motor_position" in drafted(trace).said
