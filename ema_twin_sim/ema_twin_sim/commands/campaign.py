@@ -159,7 +159,7 @@ def run(
         with ExitStack() as stack:
             with status() as progress:
                 progress("starting the workers")
-                client = stack.enter_context(cluster(scheduler, workers))
+                client = stack.enter_context(cluster(scheduler, workers if watch else min(workers, len(first))))
             for jobs in _rounds(first, grouping, task, store, tell, watch=watch):
                 counts += _judge(client, jobs, task, store)
     store.merge_files()
