@@ -8,7 +8,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLC
 	PYTHONHOME PYTHONPATH RMW_IMPLEMENTATION ROS_DISTRO VIRTUAL_ENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-all test-pictures docs bench kill fuzz soak mutants vulnerabilities accuracy wear figures pictures blueprints lock clean
+.PHONY: help setup demo test test-all check-types quick-tests all-tests test-pictures docs bench kill fuzz soak mutants vulnerabilities accuracy wear figures pictures blueprints lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST)
@@ -19,16 +19,27 @@ setup: ## ROS 2, all libraries and the packages into .venv; does only what chang
 demo: setup ## a recorded actuator beside its twin; then the missing effects are added
 	@.venv/bin/ema-twin demo
 
-CHECKS = $(RUN) -m ruff check . && $(RUN) -m mypy
+STYLE = $(RUN) -m ruff check .
+# Types are checked beside the tests: alone, they would leave all cores but one idle.
+BESIDE_TYPES = $(MAKE) --no-print-directory -j2 check-types
 # Containers often set PYTHONDONTWRITEBYTECODE; every test process would read all tests anew, for six seconds each.
 TESTS = PYTHONDONTWRITEBYTECODE= $(RUN) -m pytest tests -n auto --dist loadfile --no-loadscope-reorder
 
-test: setup ## style and type checks, then every test but those that take long
-	@$(CHECKS)
-	@$(TESTS) -m "not slow"
+test: setup ## style and type checks, and every test but those that take long
+	@$(STYLE)
+	@$(BESIDE_TYPES) quick-tests
 
 test-all: setup ## the same, and the tests that take long; nineteen cases of make accuracy among them
-	@$(CHECKS)
+	@$(STYLE)
+	@$(BESIDE_TYPES) all-tests
+
+check-types:
+	@$(RUN) -m mypy
+
+quick-tests:
+	@$(TESTS) -m "not slow"
+
+all-tests:
 	@$(TESTS)
 
 test-pictures: setup ## the report and the live view in a browser, the views in rerun; needs chromium and mesa-vulkan-drivers

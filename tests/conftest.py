@@ -27,60 +27,18 @@ RECORDINGS = Path(__file__).resolve().parent / "recordings"
 SHARED = ROOT.parent / "shared"
 
 
-LONGEST_FIRST = (
-    "test_tutorials.py",
-    "test_engine.py",
-    "test_monitor_services.py",
-    "test_plan.py",
-    "test_tutorial_live.py",
-    "test_two_encoders.py",
-    "test_known.py",
-    "test_sockets.py",
-    "test_gate.py",
-    "test_strangers.py",
-    "test_node_processes.py",
-    "test_discover_command.py",
-    "test_run_to_failure.py",
-    "test_recorder_node.py",
-    "test_fit.py",
-    "test_machines_of_others.py",
-    "test_views_in_rerun.py",
-    "test_discovery_plausible.py",
-    "test_live_ending.py",
-    "test_shares_of_sides.py",
-    "test_play_of_strangers.py",
-    "test_fidelity.py",
-    "test_web_viewer.py",
-    "test_terminal.py",
-    "test_killed_nodes.py",
-    "test_health.py",
-    "test_campaign_health.py",
-    "test_fuzz.py",
-    "test_user_effect.py",
-    "test_long_recordings.py",
-    "test_loopback.py",
-    "test_real_machines.py",
-    "test_ten_ramps.py",
-    "test_fidelity_refusals.py",
-    "test_discovery.py",
-    "test_refusals.py",
-    "test_wander.py",
-    "test_detection_limits.py",
-    "test_health_history.py",
-    "test_report.py",
-    "test_report_in_browser.py",
-    "test_thrown_output.py",
-    "test_energy.py",
-    "test_discovery_edges.py",
-)
-"""Files that take long: begun last, one process would wait for the other. Those that play recordings in real time stand
-between others, so that two of them seldom share the machine."""
-
-
 def pytest_collection_modifyitems(items):
-    """Put the longest files first; within them, and of the others, the order stays."""
-    rank = {name: k for k, name in enumerate(LONGEST_FIRST)}
-    items.sort(key=lambda item: rank.get(item.path.name, len(rank)))
+    """Put the files with slow tests first: begun last, one process would wait for the other.
+
+    Of those that play recordings in real time, all of which are in nodes/, two seldom share the machine: they stand at
+    equal distances between the others. Within a file, and of the quick ones, the order stays.
+    """
+    slow = dict.fromkeys(item.path for item in items if item.get_closest_marker("slow"))
+    place = dict.fromkeys((item.path for item in items), 1.0)
+    for in_real_time in (True, False):
+        files = [path for path in slow if (path.parent.name == "nodes") == in_real_time]
+        place |= {path: k / len(files) for k, path in enumerate(files)}
+    items.sort(key=lambda item: place[item.path])
 
 
 @pytest.hookimpl(wrapper=True)

@@ -1,5 +1,7 @@
 """What a campaign judges: each recording of each unit once, as the command judges it."""
 
+import errno
+import os
 from pathlib import Path
 
 import numpy as np
@@ -9,12 +11,14 @@ from ema_bench_replay.bags.bag_writer import write_bag
 from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
+from ema_twin_sim.campaign import work
 from ema_twin_sim.campaign.engine import Outcome
 from ema_twin_sim.campaign.jobs import Grouping, Job, Task, find_jobs
 from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED
 from ema_twin_sim.campaign.store import Store
 from ema_twin_sim.campaign.work import judged
 from ema_twin_sim.commands import campaign as command
+from tests.command_line import done_here
 
 COMPARE = Task("compare", "polito_bench")
 
@@ -177,6 +181,30 @@ class TestWork:
         assert row["status"] == DONE and row["warnings"] == told
         (one,) = told
         assert one.startswith("torn.CSV: line ") and "the last row is cut" in one
+
+
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        (["--model", "polito_bench", "--wavelength", "0.005"], "--wavelength 0.005: discover needs none"),
+        (["--do", "health", "--without", "backlash"], "--without backlash: health looks for no effects"),
+        (["--model", "polito_bench", "--do", "compare", "--without", "backlash"], "compare looks for no effects"),
+    ],
+)
+def test_an_option_that_a_verb_does_not_use_is_refused(folder, tmp_path, options, named):
+    with pytest.raises(InputError, match=named) as told:
+        done_here("campaign", folder, "-o", tmp_path / "r", *options)
+    assert "leave it out" in str(told.value) and not (tmp_path / "r").exists()
+
+
+def test_a_disk_that_fails_is_no_internal_error(folder, monkeypatch):
+    def unreadable(parts, import_map):
+        raise OSError(errno.EIO, os.strerror(errno.EIO), str(parts[0]))
+
+    monkeypatch.setattr(work, "load_runs", unreadable)
+    job = find_jobs(Grouping.of(folder, None, "recording"), COMPARE)[0]
+    (row,) = judged(job, COMPARE)
+    assert row["status"] == FAILED and row["message"].startswith(f"{folder}/{job.name}: Input/output error; run")
 
 
 def test_of_many_damaged_recordings_a_few_are_named_and_the_others_counted(monkeypatch, tmp_path, capsys):

@@ -1,5 +1,6 @@
 """The results of a campaign: written by many, read whole, told by unit and over time."""
 
+import errno
 import os
 import subprocess
 import sys
@@ -116,6 +117,33 @@ class TestStore:
         pq.write_table(pq.read_table(file).replace_schema_metadata({"ema_twin.schema": "0"}), file)
         with pytest.raises(InputError, match="version 0"):
             Store.opened(tmp_path / "r")
+
+    def test_a_full_disk_is_told_in_one_line_and_leaves_nothing_half_written(self, tmp_path, monkeypatch):
+        store = Store.made(tmp_path / "r")
+
+        def full(_):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+        monkeypatch.setattr(os, "fsync", full)
+        with pytest.raises(
+            InputError, match=r"results cannot be written \(No space left on device\); make room"
+        ) as told:
+            store.write([a_row()])
+        assert "\n" not in str(told.value) and not [file for file in tmp_path.rglob("*") if file.is_file()]
+
+    def test_a_damaged_file_is_named(self, tmp_path):
+        store = Store.made(tmp_path / "r")
+        store.write([a_row(), a_row(unit="B", key="2")])
+        file = min(tmp_path.rglob("*.parquet"))
+        file.write_bytes(b"torn")
+        for read in (store.rows, store.settled):
+            with pytest.raises(InputError, match=f"{file}: cannot be read") as told:
+                read()
+            assert "\n" not in str(told.value)
+
+    def test_a_store_without_results_has_no_rows(self, tmp_path):
+        store = Store.made(tmp_path / "r")
+        assert store.rows() == [] and store.settled() == set()
 
     def test_others_read_it(self, tmp_path):
         store = Store.made(tmp_path / "r")

@@ -165,14 +165,14 @@ def test_bounds_alone_fill_one_column_in_the_order_of_the_numbers(frictions):
 
 
 @pytest.mark.slow
-def test_points_that_are_all_refused_are_counted_and_end_with_status_1(tmp_path):
+def test_points_that_are_all_refused_are_counted_and_end_as_refused_input_does(tmp_path):
     asked = ["sweep", "--model", "polito_bench", "-c", "triangle:0.1:0.5", "--seconds", "0.1", "--bounds-only",
              "--workers", "1", "-o", tmp_path / "r", "--vary", "coulomb_friction.torque=0.05:0.1:2"]  # fmt: skip
     ended = twin(*asked)
-    assert ended.returncode == 1, ended.stderr
+    assert ended.returncode == 2, ended.stderr
     assert "0 of 2 points were done; 2 were refused or failed" in ended.stdout
     again = twin(*asked)
-    assert again.returncode == 1 and "0 of 2 points were done; 2 were refused or failed" in again.stdout
+    assert again.returncode == 2 and "0 of 2 points were done; 2 were refused or failed" in again.stdout
     page = tmp_path / "map.html"
     page.write_text("held")
     refused(*asked, "--page", page, naming=["exists already"])

@@ -7,7 +7,7 @@ import pytest
 import typer
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.commands.inputs import load_runs, refuse_inputs
+from ema_twin_sim.commands.inputs import find_recordings, load_runs, refuse_inputs
 from ema_twin_sim.commands.options import of_json
 from ema_twin_sim.listing import by_recording
 
@@ -34,6 +34,13 @@ def test_the_same_warning_of_several_recordings_is_told_once(tmp_path, capsys):
     assert told.startswith(
         "warning: a.csv, b.csv and c.csv: the map 'map' reads the speed from 'w', which is not there"
     )
+
+
+def test_a_folder_of_text_traces_stands_for_those_in_csv_or_else_for_the_others(tmp_path):
+    others, _ = written(tmp_path, "a.txt", "b.dat")
+    assert find_recordings(tmp_path) == others
+    traces, _ = written(tmp_path, "c.CSV", "d.csv")
+    assert find_recordings(tmp_path) == traces
 
 
 def test_a_strict_reader_refuses_the_first(tmp_path):

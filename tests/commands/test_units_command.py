@@ -4,13 +4,14 @@ import re
 
 import pytest
 
+from ema_bench_replay.errors import InputError
 from ema_twin_sim.campaign.healthy import Healthy
 from ema_twin_sim.campaign.results import DONE, REFUSED
 from ema_twin_sim.campaign.store import Store
 from ema_twin_sim.campaign.unit_health import unit_health
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.words.unit_health import health_words
-from tests.command_line import done, refused
+from tests.command_line import done, done_here, refused
 from tests.health_results import health_results
 from tests.stored_rows import complete
 
@@ -125,3 +126,15 @@ def test_when_a_unit_deviates_is_told_for_each_course(tmp_path):
     assert "tests deviate, all since 20" in health["all"] and ", again since 20" in health["again"]
     assert re.search(r"tests deviate, the last [\d-]+, none since: ", health["gone"])
     assert health["none"] == "like its healthy tests (12 others)"
+
+
+def test_outputs_that_are_there_are_refused_before_anything_is_computed(results, tmp_path, monkeypatch):
+    def computed(*_):
+        raise AssertionError("read before the outputs were looked at")
+
+    monkeypatch.setattr(Store, "rows", computed)
+    (tmp_path / "index.html").touch()
+    (tmp_path / "history.rrd").touch()
+    for options in (("--page", tmp_path), ("--unit", "EMA-000", "--rrd", tmp_path / "history.rrd")):
+        with pytest.raises(InputError, match="exists already; give another name, or --force"):
+            done_here("units", results, *options)

@@ -17,6 +17,7 @@ from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.model import ConstantValue, load_model
 from ema_twin_sim.simulation.behind_motor import refuse_encoders_alone
 from ema_twin_sim.simulation.simulate import simulate
+from tests.trace_text import write_columns
 
 COUNTS = 2**18
 RATIO = 50.0
@@ -97,14 +98,12 @@ def drafted(tmp_path, kind, quicker, gear_ratio=None, samples=SAMPLES):
 def recorded(tmp_path, time, driven, seen, gear_ratio=None):
     """Recording and draft of a machine whose motor goes as ``driven`` [rad, slow shaft], its output as ``seen``."""
     noise = np.random.default_rng(1)
-    columns = [time]
-    for angle, turns in ((driven, RATIO), (seen, 1.0)):
+    columns = {"time [s]": time}
+    for side, angle, turns in (("motor", driven, RATIO), ("output", seen, 1.0)):
         step = 2.0 * np.pi / COUNTS
         read = turns * (angle - angle[0]) + noise.normal(0.0, 0.3 * step, len(time))
-        columns.append(np.round(read / step) * step)
-    trace = tmp_path / "run.csv"
-    head = "time [s],motor position [rad],output position [rad]"
-    np.savetxt(trace, np.stack(columns, 1), "%.9g", ",", header=head, comments="")
+        columns[f"{side} position [rad]"] = np.round(read / step) * step
+    trace = write_columns(tmp_path / "run.csv", columns)
     init(str(tmp_path / "machine"), [trace], gear_ratio)
     return load(trace, import_map=tmp_path / "machine_map.yaml"), load_model(tmp_path / "machine.yaml")
 
@@ -164,10 +163,9 @@ def test_play_behind_a_late_encoder_is_told_apart_from_it(tmp_path):
 def test_a_carriage_has_play_too(tmp_path):
     time = np.arange(SAMPLES) * 2e-3
     way = 0.15 * moved(time, 1.0)
-    columns = [time, *(np.round((x - x[0]) / 1e-6) * 1e-6 for x in (way, behind_play(way, 1.6e-4)))]
-    trace = tmp_path / "run.csv"
-    head = "time [s],motor position [m],output position [m]"
-    np.savetxt(trace, np.stack(columns, 1), "%.9g", ",", header=head, comments="")
+    sides = {"motor": way, "output": behind_play(way, 1.6e-4)}
+    columns = {f"{side} position [m]": np.round((x - x[0]) / 1e-6) * 1e-6 for side, x in sides.items()}
+    trace = write_columns(tmp_path / "run.csv", {"time [s]": time, **columns})
     init(str(tmp_path / "machine"), [trace])
     found = discover([load(trace, import_map=tmp_path / "machine_map.yaml")], load_model(tmp_path / "machine.yaml"))
     assert (found.verdict, found.added) == ("explained", ("backlash",))
@@ -262,11 +260,11 @@ def test_play_between_stiff_teeth_keeps_its_place_against_a_spring(tmp_path):
     quick = [size * np.sin(2.0 * np.pi * f * time) * np.minimum(1.0, f * time) for size, f in ((0.4, 0.4), (0.05, 1.3))]
     traces = []
     for angle in (quick[0], slow, quick[1]):
-        read = ((80.0 * angle, 2**13), (behind_teeth(angle, time[1], 2.5e-3), 2**19))
-        columns = [time, *(np.round(a / (2.0 * np.pi) * counts) / counts * 2.0 * np.pi for a, counts in read)]
-        traces.append(tmp_path / f"run_{len(traces)}.csv")
-        head = "time [s],motor position [rad],output position [rad]"
-        np.savetxt(traces[-1], np.stack(columns, 1), "%.9g", ",", header=head, comments="")
+        columns = {"time [s]": time}
+        read = ("motor", 80.0 * angle, 2**13), ("output", behind_teeth(angle, time[1], 2.5e-3), 2**19)
+        for side, a, counts in read:
+            columns[f"{side} position [rad]"] = np.round(a / (2.0 * np.pi) * counts) / counts * 2.0 * np.pi
+        traces.append(write_columns(tmp_path / f"run_{len(traces)}.csv", columns))
     init(str(tmp_path / "machine"), traces, 80.0)
     recordings = [load(trace, import_map=tmp_path / "machine_map.yaml") for trace in traces]
     model = load_model(tmp_path / "machine.yaml")

@@ -8,8 +8,10 @@ import pytest
 from ema_bench_replay.load import load
 from ema_twin_sim.measured.consistency import inconsistencies
 from ema_twin_sim.model import load_model
+from tests.trace_text import write_columns
 
 CONSTANT = 7.6  # N m/A at the joint
+SENSOR = "joint torque sensor [Nm]"
 
 
 def trace(tmp_path, load, shown, torque_constant=CONSTANT):
@@ -21,11 +23,8 @@ def trace(tmp_path, load, shown, torque_constant=CONSTANT):
     torque = 0.15 * acceleration + 0.7 * speed + 1.3 * np.sign(speed) + load(time)
     current = torque / torque_constant + 0.01 * rng.standard_normal(len(time))
     sensor = shown(time) + 0.02 * rng.standard_normal(len(time))
-    table = np.stack([time, angle, speed, current, sensor], axis=1)
-    header = "time [s],position [rad],speed [rad/s],current [A],joint torque sensor [Nm]"
-    path = tmp_path / "joint.csv"
-    np.savetxt(path, table, "%.7g", ",", header=header, comments="")
-    return path
+    motion = {"time [s]": time, "position [rad]": angle, "speed [rad/s]": speed}
+    return write_columns(tmp_path / "joint.csv", {**motion, "current [A]": current, SENSOR: sensor})
 
 
 def wandering(time):
@@ -58,11 +57,11 @@ def test_a_load_is_what_the_drive_follows(load, shown, used, tmp_path, drafted):
 def test_a_torque_that_is_the_current_times_a_factor_is_no_load(noise, used, tmp_path, drafted):
     """A drive's estimate looks like a sensor that it follows to the last digit; a sensor has noise of its own."""
     path = trace(tmp_path, wandering, wandering)
-    header = path.read_text().split("\n", 1)[0]
-    table = np.loadtxt(path, delimiter=",", skiprows=1)
-    rng = np.random.default_rng(7)
-    table[:, 4] = 1.314 * table[:, 3] * (1.0 + noise * rng.standard_normal(len(table)))
-    np.savetxt(path, table, "%.7g", ",", header=header, comments="")
+    names = path.read_text().split("\n", 1)[0].split(",")
+    columns = dict(zip(names, np.loadtxt(path, delimiter=",", skiprows=1).T, strict=True))
+    current = columns["current [A]"]
+    columns[SENSOR] = 1.314 * current * (1.0 + noise * np.random.default_rng(7).standard_normal(len(current)))
+    write_columns(path, columns)
     told = drafted(path, torque_constant=CONSTANT).said
     assert ("joint torque sensor [Nm] → load_torque" in told) == used
     assert ("it is 1.314 N m/A times the current" in told) != used

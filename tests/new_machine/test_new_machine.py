@@ -83,9 +83,8 @@ def test_play_is_named_in_a_machine_of_which_no_constant_is_known(tmp_path):
         run = load(path)
         names = {"current": "current_A", "motor_position": "motor_angle_rad", "speed": "motor_speed_rad_s",
                  "output_position": "output_angle_rad"}  # fmt: skip
-        table = np.column_stack([run.time, *(run.signals[name] for name in names)])
-        header = ",".join(["time_s", *names.values()])
-        np.savetxt(tmp_path / f"{path.stem}.csv", table, "%.9g", ",", header=header, comments="")
+        columns = {word: run.signals[name] for name, word in names.items()}
+        write_columns(tmp_path / f"{path.stem}.csv", {"time_s": run.time, **columns})
     traces = sorted(tmp_path.glob("*.csv"))
     told = done("init", traces[1], "-o", "own", "--gear-ratio", "124", cwd=tmp_path)
     assert "own_map.yaml: nothing had to be guessed" in told.stdout
@@ -190,8 +189,8 @@ def test_an_encoder_without_steps_is_as_fine_as_its_noise(tmp_path):
     rng = np.random.default_rng(3)
     time = np.arange(500) * 1e-3
     position = 30.0 * np.sin(6.0 * time) + 0.01 * rng.standard_normal(500)
-    table = np.column_stack([time, position, np.cos(6.0 * time)])
-    np.savetxt(tmp_path / "a.csv", table, "%.9g", ",", header="time [s],motor position [deg],current [A]", comments="")
+    columns = {"time [s]": time, "motor position [deg]": position, "current [A]": np.cos(6.0 * time)}
+    write_columns(tmp_path / "a.csv", columns)
     done("init", "a.csv", "-o", "a", cwd=tmp_path)
     counts = load_model(tmp_path / "a.yaml").value("sensors.motor_encoder_counts")
     assert 360.0 / counts / np.sqrt(12.0) == pytest.approx(0.01, rel=0.2)
@@ -294,9 +293,7 @@ def joint(tmp_path, peak, position="position [rad]", torque="current [A]"):
     time = np.arange(1500) * 8e-3
     angle, speed = peak / 2.0 * np.sin(2.0 * time), peak * np.cos(2.0 * time)
     current = 3.0 * np.cos(angle) + np.sign(speed)
-    table = np.column_stack([time, angle, speed, current])
-    header = f"time [s],{position},speed [rad/s],{torque}"
-    np.savetxt(tmp_path / "j.csv", table, "%.9g", ",", header=header, comments="")
+    write_columns(tmp_path / "j.csv", {"time [s]": time, position: angle, "speed [rad/s]": speed, torque: current})
 
 
 @pytest.mark.parametrize(

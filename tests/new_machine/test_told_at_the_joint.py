@@ -7,6 +7,7 @@ import pytest
 
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.model import load_model
+from tests.trace_text import write_columns
 
 RATIO = 50.0
 GAIN, INTEGRAL_TIME = 0.015, 0.03  # N m s/rad and s, of the drive's speed controller
@@ -38,10 +39,11 @@ def sampled(count=4000, period=5e-4, encoder=8192.0 / RATIO):
 def write(place, shaft, time, columns):
     """The trace with its ``columns`` named and given at a ``shaft``."""
     geared = {"motor": 1.0, "joint": RATIO}[shaft]
-    given = [values * geared if name.startswith("torque") else values / geared for name, values in columns.items()]
-    header = ",".join(["time [s]", *(f"{shaft} {name}" for name in columns)])
-    np.savetxt(place, np.column_stack([time, *given]), "%.12g", ",", header=header, comments="")
-    return place
+    given = {
+        f"{shaft} {name}": values * geared if name.startswith("torque") else values / geared
+        for name, values in columns.items()
+    }
+    return write_columns(place, {"time [s]": time, **given})
 
 
 def constants(place):
@@ -73,9 +75,8 @@ def test_steady_rows_given_at_the_joint_have_the_motors_noise(tmp_path):
     """Noise that is not divided by the gear ratio hides every effect behind it."""
     speed, random = np.linspace(-2.0, 2.0, 200), np.random.default_rng(3)
     torque = 3.0 * np.sign(speed) + speed + random.normal(0.0, 0.05, len(speed))
-    table = np.column_stack([speed, torque])
-    np.savetxt(tmp_path / "a.csv", table, "%.9g", ",", header="joint velocity [rad/s],joint torque [N m]", comments="")
-    init(str(tmp_path / "a"), [tmp_path / "a.csv"], gear_ratio=RATIO)
+    trace = write_columns(tmp_path / "a.csv", {"joint velocity [rad/s]": speed, "joint torque [N m]": torque})
+    init(str(tmp_path / "a"), [trace], gear_ratio=RATIO)
     model = load_model(tmp_path / "a.yaml")
     assert model.value("sensors.current_noise") == pytest.approx(0.05 / RATIO, rel=0.15)
 
@@ -85,8 +86,7 @@ def test_gains_of_a_drive_follow_the_motors_share_of_a_joints_torque_constant(tm
     time, columns = sampled()
     current = {"motor current [A]": columns.pop("torque [N m]") / CONSTANT}
     columns = {f"motor {name}": values for name, values in columns.items()} | current
-    table, header = np.column_stack([time, *columns.values()]), ",".join(["time [s]", *columns])
-    np.savetxt(tmp_path / "a.csv", table, "%.12g", ",", header=header, comments="")
+    write_columns(tmp_path / "a.csv", {"time [s]": time, **columns})
     found = {}
     for told in (CONSTANT, CONSTANT * RATIO * 4.0):
         init(str(tmp_path / "a"), [tmp_path / "a.csv"], gear_ratio=RATIO, torque_constant=told, force=True)
@@ -109,9 +109,7 @@ def test_the_advice_in_a_map_on_the_other_shaft_is_none_of_its_content(tmp_path,
     time, columns = sampled(encoder=8192.0)
     named = {name.replace("position", "angle"): values for name, values in columns.items()}
     named |= {"output position [rad]": columns["position [rad]"] / RATIO}
-    header = ",".join(["time [s]", *named])
-    np.savetxt(tmp_path / "a.csv", np.column_stack([time, *named.values()]), "%.12g", ",", header=header, comments="")
-    init(str(tmp_path / "a"), [tmp_path / "a.csv"])
+    init(str(tmp_path / "a"), [write_columns(tmp_path / "a.csv", {"time [s]": time, **named})])
     said = " ".join(capsys.readouterr().out.split())
     assert "add `shaft: output`" in (tmp_path / "a_map.yaml").read_text()
     assert "motor encoder 8192 counts per turn" in said

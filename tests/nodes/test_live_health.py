@@ -1,5 +1,7 @@
 """The running unit's health: the monitor judges a run as `units` judges its recording, and publishes the numbers."""
 
+import re
+
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -60,6 +62,18 @@ def test_a_run_is_judged_as_its_recording_is(unit):
     assert watch.last.distance == pytest.approx(offline.distance, rel=1e-6)
     assert watch.last.words == offline.words
     assert "A, healthy" in watch.figures["friction"]
+
+
+def test_a_run_whose_beginning_is_not_held_is_told(unit):
+    watch = UnitWatch.opened(unit / "results", "EMA", "test [0-5]/")
+    worn = load(unit / "runs" / "EMA" / "test 6" / "1.mcap")
+    watch.judge(lambda: worn, 1.01 * worn.duration)
+    assert watch.off and "are held" not in watch.words
+    watch.judge(lambda: worn, 4.0 * worn.duration)
+    needed = int(re.search(r"only its last 5 of 20 s are held and judged: .* (\d+) samples$", watch.words)[1])
+    assert watch.off and 4 * len(worn) < needed < 5 * len(worn)
+    watch.judge(lambda: worn)
+    assert "are held" not in watch.words
 
 
 def test_a_run_of_another_motion_is_not_judged(unit):

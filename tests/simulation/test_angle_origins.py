@@ -16,10 +16,10 @@ from ema_twin_sim.live.follower import Follower
 from ema_twin_sim.simulation.angle_origins import angle_origins, without_common_zero
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.twin import Twin
+from tests.trace_text import write_columns
 
 PERIOD, COUNT = 2_000_000, 5000
 RATIO = 12.0
-ORIGINS = ("motor_angle_origin", "output_angle_origin")
 MAP = """version: 1
 time: {column: time, unit: s}
 signals:
@@ -51,13 +51,11 @@ def swung(model, start, rate, seed):
 
 def read_again(recording, folder):
     """The recording through a CSV that holds positions as its encoder shows them."""
-    names = ("current", "speed", "speed_setpoint", "motor_position")
-    columns = [recording.time, *(recording.signals[name] for name in names)]
-    columns[-1] = columns[-1] + recording.motor_angle_origin
-    header = "time,current,speed,setpoint,position"
-    np.savetxt(folder / f"{recording.name}.csv", np.column_stack(columns), "%.9g", ",", header=header, comments="")
+    names = {"current": "current", "speed": "speed", "setpoint": "speed_setpoint", "position": "motor_position"}
+    columns = {"time": recording.time, **{word: recording.signals[name] for word, name in names.items()}}
+    columns["position"] = columns["position"] + recording.motor_angle_origin
     (folder / "map.yaml").write_text(MAP)
-    return load(folder / f"{recording.name}.csv", import_map=folder / "map.yaml")
+    return load(write_columns(folder / f"{recording.name}.csv", columns), import_map=folder / "map.yaml")
 
 
 @pytest.fixture(scope="module")

@@ -21,7 +21,9 @@ from ..model.model_file import model_files
 
 HEALTH = "health"
 """Verb that computes features of each recording, by which a unit is judged against its healthy ones; needs no model."""
-VERBS = ("compare", "fit", "diagnose", "discover", HEALTH)
+SEARCHING = ("diagnose", "discover")
+"""Verbs that look for what a model lacks."""
+VERBS = ("compare", "fit", *SEARCHING, HEALTH)
 APART = "recording"
 TOGETHER = (APART, "folder", "unit")
 GROUPS = {"unit", "time", "test"}

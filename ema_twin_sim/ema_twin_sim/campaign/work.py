@@ -106,7 +106,10 @@ def _judged(row: Row, recordings: Sequence[Recording], job: Job, task: Task) -> 
 
 
 def failed(error: Exception) -> Row:
-    """What a row says of an error of this package."""
+    """What a row says of an error of this package; or of the machine that it runs on, such as of a disk."""
+    if isinstance(error, OSError):
+        place = "" if error.filename is None else f"{error.filename}: "
+        return {"status": FAILED, "message": f"{place}{error.strerror or error}; run the command again to retry it"}
     return {"status": FAILED, "message": f"internal error: {type(error).__name__}: {error}"}
 
 

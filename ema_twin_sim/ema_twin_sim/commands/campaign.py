@@ -119,7 +119,7 @@ def run(
     from ema_bench_replay.configuration import find_configuration
 
     from ..campaign.engine import cluster
-    from ..campaign.jobs import APART, HEALTH, VERBS, Grouping, Task
+    from ..campaign.jobs import APART, HEALTH, SEARCHING, VERBS, Grouping, Task
     from ..campaign.store import Store
     from ..effects import find_effect
     from ..model import load_model
@@ -131,6 +131,10 @@ def run(
         load_model(model)
     elif do != HEALTH:
         raise InputError(f"--do {do}: needs a model; give one with --model, or --do {HEALTH}")
+    if wavelength is not None and do != HEALTH:
+        raise InputError(f"--wavelength {wavelength:g}: {do} needs none; leave it out, or give --do {HEALTH}")
+    if without and do not in SEARCHING:
+        raise InputError(f"--without {without[0]}: {do} looks for no effects; leave it out, or give --do discover")
     if do == HEALTH and together != APART:
         raise InputError(f"--together {together}: health judges each recording alone; leave --together out")
     task = Task(
@@ -155,7 +159,7 @@ def run(
         with ExitStack() as stack:
             with status() as progress:
                 progress("starting the workers")
-                client = stack.enter_context(cluster(scheduler, workers))
+                client = stack.enter_context(cluster(scheduler, workers if watch else min(workers, len(first))))
             for jobs in _rounds(first, grouping, task, store, tell, watch=watch):
                 counts += _judge(client, jobs, task, store)
     store.merge_files()

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from ema_bench_replay.bags.bag_parts import bag_parts, recordings_in
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.load import load
+from ema_bench_replay.load import OTHER_TRACES, TRACES, load
 from ema_bench_replay.outputs import write_text
 from ema_bench_replay.recording import Recording
 
@@ -103,8 +103,8 @@ def _told_apart(names: Sequence[str], files: Sequence[Path]) -> list[str]:
 def find_recordings(path: Path) -> list[Path]:
     """The recordings that a path names: the path itself or, for a folder of recording folders, each of these.
 
-    A folder of several .mcap files that are not parts of one recording stands for its files, as does a folder of CSV
-    traces without any bag.
+    A folder of several .mcap files that are not parts of one recording stands for its files, as does a folder of text
+    traces without any bag; those of other names than .csv only if it holds none of these.
     """
     if not path.is_dir():
         return [path]
@@ -112,8 +112,9 @@ def find_recordings(path: Path) -> list[Path]:
     if found:
         return [path] if len(found) == 1 else [file for parts in found for file in parts]
     inside = sorted(folder for folder in path.iterdir() if folder.is_dir() and any(folder.glob("*.mcap")))
-    traces = sorted(file for file in path.iterdir() if file.suffix.lower() == ".csv" and file.is_file())
-    return inside or traces or [path]
+    texts = sorted(file for file in path.iterdir() if file.suffix.lower() in TRACES and file.is_file())
+    traces = [file for file in texts if file.suffix.lower() not in OTHER_TRACES]
+    return inside or traces or texts or [path]
 
 
 def _together(files: Sequence[Path]) -> list[tuple[Path, ...]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -92,7 +93,7 @@ def run(
     from ema_bench_replay.errors import InputError
 
     from ..campaign.engine import cluster
-    from ..campaign.results import DONE
+    from ..campaign.results import DONE, FAILED
     from ..campaign.store import Store
     from ..campaign.sweep import VERB, Study, Varied, grid, with_settings
     from ..campaign.sweep import sample as sampled
@@ -122,7 +123,7 @@ def run(
     waiting = [point for point in points if point.key not in settled]
     if len(waiting) < len(points):
         say(f"{len(points) - len(waiting)} of {len(points)} already have results and are skipped.")
-    refused = 0
+    statuses: Counter[str] = Counter()
     if waiting:
         with ExitStack() as stack:
             with status() as progress:
@@ -130,8 +131,8 @@ def run(
                 client = stack.enter_context(cluster(scheduler, min(workers, len(waiting))))
             done = stack.enter_context(counted(len(waiting), "simulating"))
             for outcome in points_swept(client, waiting, study, store.folder.resolve()):
-                refused += outcome.status != DONE
-                if outcome.status != DONE and refused <= _SHOWN:
+                statuses[outcome.status] += 1
+                if outcome.status != DONE and statuses.total() - statuses[DONE] <= _SHOWN:
                     warn(f"{outcome.job.name}: {outcome.status}: {outcome.message}")
                 done(outcome.job.name)
     store.merge_files()
@@ -157,8 +158,9 @@ def run(
         ratios = frozenset(one.path for one in varied if one.logarithmic)
         say(f"{write_sweep_page(page, found, limit, lost=lost, ratios=ratios, force=force)}: open it in any browser")
     write_json(json, [point.as_json() for point in found])
-    if (waiting and refused == len(waiting)) or lost == len(points):
-        raise typer.Exit(1)
+    statuses = statuses or Counter(row["status"] for row in asked)
+    if not statuses[DONE]:  # 2 as with any command whose input is refused
+        raise typer.Exit(1 if statuses[FAILED] else 2)
 
 
 def _show(points: Sequence[SweptPoint]) -> None:

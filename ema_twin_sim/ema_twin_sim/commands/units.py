@@ -89,11 +89,14 @@ def run(
     from ..campaign.unit_health import sickest_first, unit_health
     from ..campaign.units import units_of
     from ..model.model import nearest
-    from .inputs import write_json
+    from .inputs import refuse_existing, refuse_inputs, write_json
 
     check_rrd_name(rrd)
     if rrd is not None and unit is None:
         raise InputError(f"--rrd {rrd}: shows one unit; name it with --unit")
+    overview = None if page is None else page / "index.html"
+    refuse_inputs([*([] if limits is None else [limits])], rrd, overview, json)
+    refuse_existing(force, rrd, overview)
     of_numbers = read_limits(limits)
     known_good = Healthy.of(healthy, FEWEST_HEALTHY)
     found = units_of(Store.opened(results).rows())
@@ -113,6 +116,8 @@ def run(
             ahead[one.name] = outlooks(one, of_numbers, known_good)
             health[one.name] = unit_health(one, known_good)
             done(one.name)
+    if rrd is not None and not any(ahead.values()) and not any(of is not None and of.judged for of in health.values()):
+        raise InputError(f"--rrd {rrd}: too few results of {unit} have numbers, and no health of it was judged")
     found = sickest_first(found, health)
     followed = tuple(dict.fromkeys(look.history.path for looks in ahead.values() for look in looks))
     for path in (path for path in of_numbers if path not in followed):
@@ -142,9 +147,6 @@ def run(
     if rrd is not None and unit is not None:
         from ..views.unit_history import write_unit_history
 
-        judged = health[unit]
-        if not ahead[unit] and (judged is None or not judged.judged):
-            raise InputError(f"--rrd {rrd}: too few results of {unit} have numbers, and no health of it was judged")
         tell_of_rrd(rrd, write_unit_history(rrd, ahead[unit], health[unit], force=force))
     if page is not None:
         from ..report.fleet import write_fleet

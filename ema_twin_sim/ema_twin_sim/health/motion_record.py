@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import KIND, MAGNITUDE, Recording
+from ema_bench_replay.recording import KIND, MAGNITUDE, MAY_BE_MAGNITUDES, Recording
 from ema_bench_replay.traces.lacked_columns import lacked_columns
 from ema_bench_replay.units import signal_unit
 
@@ -17,7 +17,6 @@ from ..reading_noise import smallest_step
 POSITIONS = ("output_position", "motor_position")
 SPEED = "speed"
 """Integrated if there is no position."""
-EFFORTS = ("current", "motor_torque")
 _ROUNDING = 1e-9  # of its range: what counting a position from the encoder's zero makes differ
 
 
@@ -63,7 +62,7 @@ class MotionRecord:
         effort = recording.drive
         if place is None or effort is None:
             lacks = "position and no speed" if place is None else "current and no motor_torque"
-            lacked = lacked_columns(recording, places if place is None else EFFORTS)
+            lacked = lacked_columns(recording, places if place is None else MAY_BE_MAGNITUDES)
             raise InputError(f"{recording.name}: holds no {lacks}, by which health is judged; {lacked or 'record it'}")
         signals = recording.signals
         both = place == "output_position" and recording.has("motor_position")

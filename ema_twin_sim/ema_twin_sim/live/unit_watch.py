@@ -15,6 +15,7 @@ from ..campaign.histories import FEWEST_HEALTHY
 from ..campaign.store import Store
 from ..campaign.unit_health import Learnt, healthy_runs, learnt_from
 from ..campaign.units import units_of
+from ..criteria import NEARLY_ALL
 from ..health.acquisition import Extent
 from ..health.judgement import HealthJudgement
 from ..health.motion_record import MotionRecord
@@ -41,6 +42,7 @@ class UnitWatch:
         self.unit = unit
         self.last: HealthJudgement | None = None
         self.refused = ""
+        self._cut = ""  # what is said of a run whose beginning is not held
         self._learnt = learnt
 
     @classmethod
@@ -56,11 +58,20 @@ class UnitWatch:
             raise InputError(f"{results}: holds no health of {named[0].name}; run ema-twin campaign --do health")
         return cls(named[0].name, learnt_from([run for run, flag in zip(runs, flags, strict=True) if flag]))
 
-    def judge(self, read: Callable[[], Recording]) -> None:
-        """Judge the run, or part of one, that `read` returns; if it cannot be judged, `refused` says why."""
-        self.last = None
+    def judge(self, read: Callable[[], Recording], asked: float = 0.0) -> None:
+        """Judge the run, or part of one, that `read` returns; if it cannot be judged, `refused` says why.
+
+        `asked` is how long it should be [s]; of one that is shorter, the words say so.
+        """
+        self.last, self._cut = None, ""
         try:
-            record = MotionRecord.from_recording(read(), _NOW)
+            recording = read()
+            if recording.duration < NEARLY_ALL * asked:
+                self._cut = (
+                    f"; only its last {recording.duration:.0f} of {asked:.0f} s are held and judged: give the monitor "
+                    f"a history of {1.1 * len(recording) * asked / recording.duration:.0f} samples"
+                )
+            record = MotionRecord.from_recording(recording, _NOW)
             run = run_features(record, self._learnt.kinds[0].wavelength)
             # Of a run that goes on, the monitor reads a part: its length is no sign of a fault.
             acquisition = replace(run.acquisition, extent=Extent())
@@ -84,7 +95,7 @@ class UnitWatch:
             return self.refused
         if self.last is None:
             return "no run judged yet; a run is judged at its end"
-        return " ".join(self.last.words)
+        return " ".join(self.last.words) + self._cut
 
     @property
     def figures(self) -> Mapping[str, object]:

@@ -274,7 +274,7 @@ class MonitorNode(Node):
             return
         stretch = min(self._stamp - self._first_stamp, self._judged_after) * 1e-9
         self._judged_at = self._stamp
-        self.unit_watch.judge(lambda: self._history.recordings(stretch, self._place()[0])[-1])
+        self.unit_watch.judge(lambda: self._history.recordings(stretch, self._place()[0])[-1], stretch)
 
     def health_of_unit(self) -> dict[str, object] | None:
         """The running unit's health, including its last samples; None if no results were given."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -116,28 +116,12 @@ def with_displaced(before: Search, other: Search) -> Search:
     return other.further(*add_effects(other.fit, frozenset(catalogue()) - back, most=1))
 
 
-def with_those_of_later_effects(
-    found: Search, rivals: tuple[Rivalry, ...], without: frozenset[str] = frozenset()
-) -> tuple[Rivalry, ...]:
-    """The rivals, and those of effects that have come into the search since they were judged."""
-    judged = {rivalry.effect for rivalry in rivals}
-    later = [name for name, held in found.fit.hypothesis.added.items() if held.effect not in judged]
-    return (*rivals, *rivalries(found, without, later))
-
-
-def rivalries(
-    found: Search, without: frozenset[str] = frozenset(), only: Sequence[str] | None = None
-) -> tuple[Rivalry, ...]:
-    """For each effect at the end: what was close when it was added, refitted in its place with all the others.
-
-    ``only``: the names of those that are asked about; None: all.
-    """
+def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Rivalry, ...]:
+    """For each effect at the end: what was close when it was added, refitted in its place with all the others."""
     best, problem = found.fit, found.problem
     leader = _Leader(best)
     judged = []
     for name, instance in best.hypothesis.added.items():
-        if only is not None and name not in only:
-            continue
         turn = next((t for t in found.taken if name in t.added), None)
         compliant = instance.effect in COMPLIANT_EFFECTS
         if turn is None or (compliant and problem.size):
