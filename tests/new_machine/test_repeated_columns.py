@@ -55,12 +55,6 @@ def test_a_copy_that_begins_again_with_each_run_is_one_all_the_same():
     assert "output_position" not in taken(logged(position_last=copied))
 
 
-@pytest.mark.parametrize("zero", [1.234567, -40.0])
-def test_a_position_from_the_start_is_no_second_encoder(zero, drafted):
-    said = drafted(logged(**{"relative position": np.round(ANGLE - zero, 6)})).said
-    assert "counted from another zero: it is no second encoder" in said
-
-
 def test_currents_that_differ_by_a_constant_are_no_copies():
     columns = {"time [s]": TIME, "position": ANGLE, "motor current [A]": TORQUE, "phase current [A]": TORQUE + 0.5}
     assert taken(columns)["current"] == "motor current [A]"
