@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from ..criteria import CONTRADICTED, LIKELY, PART, SIGNIFICANT, SUREST
+from ..criteria import CONTRADICTED, LIKELY, PART, SIGNIFICANT, SMALL, SUREST
 from .change import Change, growths
 from .families import Family, Ranked, rank
 
@@ -95,6 +95,10 @@ def name_change(
     if (factor := one_factor(changes)) is not None:
         return _not_named(
             f"All efforts changed by one factor of {factor:.2f}: check the current sensor and the torque constant."
+            if _shown_by_friction(changes)
+            else f"The load changed, or all efforts by one factor of {factor:.2f}: the effort in steady motion scatters "
+            "too much to tell which. Look at what hangs on the output, and check the current sensor and the torque "
+            "constant."
         )
     if unsigned and _apart(changes):
         return _not_named(
@@ -103,7 +107,11 @@ def name_change(
         )
     held = unsigned and _held(changes)
     told = {name: one.standard_deviations for name, one in changes.items() if not (unsigned and name == "load")}
-    ranked = rank(told, beside, growths(changes), _OF_LEVELS if held else frozenset())
+    without = set(_OF_LEVELS if held else ())
+    if "load" in told and (shared := _shared_with_friction(changes)) > 0.0:
+        told["load"] *= max(0.0, 1.0 - shared)
+        without |= {Family.LOAD, Family.OFFSET} if shared > PART else set()
+    ranked = rank(told, beside, growths(changes), without)
     naming = Naming(ranked, "")
     if naming.family is not Family.UNKNOWN:
         return Naming(ranked, _named(ranked))
@@ -113,7 +121,8 @@ def name_change(
             "The effort changed; it is unsigned and as large at rest as in motion, so it does not show whether load or "
             "friction changed. Record a signed current.",
         )
-    return Naming(ranked, f"{_unexplained(ranked, told)} {_ADVICE[Family.UNKNOWN]}")
+    moved = {name: changes[name].standard_deviations for name in told}
+    return Naming(ranked, f"{_unexplained(ranked, moved)} {_ADVICE[Family.UNKNOWN]}")
 
 
 def agreed(motions: Sequence[tuple[Naming, int]]) -> Naming:
@@ -134,9 +143,10 @@ def agreed(motions: Sequence[tuple[Naming, int]]) -> Naming:
 
 
 def one_factor(changes: Mapping[str, Change]) -> float | None:
-    """The factor by which all levels of the effort changed, if one explains them; None if not.
+    """The factor by which all levels of the effort may have changed, if one explains them; None if not.
 
-    Friction alone scales no load and a load alone no friction, so both have to show it.
+    Friction alone scales no load, and a load alone no friction. So both have to agree with the factor, the load beyond
+    its scatter; whether friction tells it from a load is for ``_shown_by_friction``.
     """
     levels = {name: changes[name] for name in _LEVELS if name in changes}
     if not {"friction", "load"} <= set(levels):
@@ -144,9 +154,28 @@ def one_factor(changes: Mapping[str, Change]) -> float | None:
     weight = sum(one.size**2 for one in levels.values())
     more = sum(one.size * one.standard_deviations for one in levels.values()) / weight
     shown = {name: more * one.size for name, one in levels.items()}
-    fits = all(abs(one.standard_deviations - shown[name]) < CONTRADICTED for name, one in levels.items())
-    both = abs(shown["load"]) > CONTRADICTED and abs(shown["friction"]) > LIKELY
-    return 1.0 + more if fits and both else None
+    fits = all(
+        abs(one.standard_deviations - shown[name]) < max(CONTRADICTED, SMALL * abs(shown[name]))
+        for name, one in levels.items()
+    )
+    return 1.0 + more if fits and abs(shown["load"]) > CONTRADICTED else None
+
+
+def _shown_by_friction(changes: Mapping[str, Change]) -> bool:
+    """Whether friction, which no load scales, changed beyond chance."""
+    return abs(changes["friction"].standard_deviations) > LIKELY
+
+
+def _shared_with_friction(changes: Mapping[str, Change]) -> float:
+    """Friction's change as a share of the load's, both as efforts; zero if friction is not known to have changed.
+
+    A load adds as much in one direction as it takes in the other. Friction that grows with speed, in moves of two
+    speeds, adds in both: half the difference is at most half the sum. So what friction's change reaches is no load.
+    """
+    if not {"friction", "load"} <= set(changes) or abs(changes["friction"].standard_deviations) <= CONTRADICTED:
+        return 0.0
+    friction, load = (abs(changes[name].value - changes[name].healthy) for name in ("friction", "load"))
+    return friction / load if load else 0.0
 
 
 def _apart(changes: Mapping[str, Change]) -> bool:
