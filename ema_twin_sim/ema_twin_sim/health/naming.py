@@ -158,7 +158,9 @@ def one_factor(changes: Mapping[str, Change]) -> float | None:
         abs(one.standard_deviations - shown[name]) < max(CONTRADICTED, SMALL * abs(shown[name]))
         for name, one in levels.items()
     )
-    return 1.0 + more if fits and abs(shown["load"]) > CONTRADICTED else None
+    started = changes.get("breakaway")
+    refuted = started is not None and abs(more * started.size) - abs(started.standard_deviations) > CONTRADICTED
+    return 1.0 + more if fits and abs(shown["load"]) > CONTRADICTED and not refuted else None
 
 
 def _shown_by_friction(changes: Mapping[str, Change]) -> bool:
