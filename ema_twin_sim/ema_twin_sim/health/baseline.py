@@ -14,6 +14,7 @@ from ema_bench_replay.errors import InputError
 from ..criteria import MOSTLY, NEARLY_ALL
 from .acquisition import Extent, judge_acquisition
 from .between_tests import Prediction, predict
+from .block_limit import block_limit
 from .disturbance import tells_more
 from .false_alarms import FALSE_ALARM
 from .features import Feature, Features, stroke_efforts
@@ -198,8 +199,13 @@ def _limits(
     the baseline of the other tests. If more of them than chance allows are beyond a block's limit, the runs of this
     unit are not normally distributed, and the limit moves to the farthest of them.
     """
-    blocks = _blocks(names, predict(values, tests))
+    learnt = predict(values, tests)
+    blocks = _blocks(names, learnt)
     rates = _rates(blocks, false_alarm)
+    drawn = [
+        block_limit(learnt.part([names.index(name) for name in block]), math.exp(rate)) if len(block) > 1 else rate
+        for block, rate in zip(blocks, rates, strict=True)
+    ]
     labels = np.asarray(tests)
     left_out = np.zeros((len(values), len(blocks)))
     if len(set(tests)) > FEWEST_TESTS - 1:
@@ -213,8 +219,8 @@ def _limits(
     counts = (left_out < np.array(rates)).sum(axis=0)
     unlikely = stats.binom.sf(counts - 1, len(values), np.exp(rates)) < 1.0 - NEARLY_ALL
     limits = tuple(
-        BlockLimit(block, min(rate, float(far)) if odd else rate)
-        for block, rate, far, odd in zip(blocks, rates, farthest, unlikely, strict=True)
+        BlockLimit(block, min(limit, float(far)) if odd else limit)
+        for block, limit, far, odd in zip(blocks, drawn, farthest, unlikely, strict=True)
     )
     return limits, beyond
 
