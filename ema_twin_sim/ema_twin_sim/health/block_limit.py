@@ -31,7 +31,9 @@ def block_limit(prediction: Prediction, rate: float) -> float:
         strict=True)
     )  # fmt: skip
     off = _normal(rng, prediction.between * (1.0 + 1.0 / tests) + prediction.within)
-    distance = np.einsum("ni,ni->n", off, np.linalg.solve(between * (1.0 + 1.0 / tests) + within, off[..., None])[..., 0])
+    distance = np.einsum(
+        "ni,ni->n", off, np.linalg.solve(between * (1.0 + 1.0 / tests) + within, off[..., None])[..., 0]
+    )
     inverse = np.linalg.inv(between + within)
     used = sum(_used(part @ inverse, freedom) for part, freedom in zip((between, within), freedoms, strict=True))
     freedom = (count + count**2) / used
