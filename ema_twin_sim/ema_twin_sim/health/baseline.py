@@ -137,7 +137,7 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
         if all(name in values for values in told)
         and (wavelength <= travel or not name.startswith("wave_"))  # a longer wave cannot be told from a trend
     )
-    sides = tuple(float(np.nanmean([features.sides[i] for features in all_features])) for i in (0, 1))
+    sides = tuple(_mean_known([features.sides[way] for features in all_features]) for way in (0, 1))
     scale = float(np.nanmax(np.abs(sides)))
     values = np.array([_vector(values, names, scale) for values in told])
     sizes = _sizes(told[0], names, travel)
@@ -210,12 +210,11 @@ def _limits(
     ]
     labels = np.asarray(tests)
     left_out = np.zeros((len(values), len(blocks)))
-    if len(set(tests)) > FEWEST_TESTS - 1:
-        for test in dict.fromkeys(tests):
-            others = labels != test
-            prediction = predict(values[others], [name for name in tests if name != test])
-            for row in np.flatnonzero(~others):
-                left_out[row] = tails(prediction, names, blocks, values[row])
+    for test in dict.fromkeys(tests):
+        others = labels != test
+        prediction = predict(values[others], [name for name in tests if name != test])
+        for row in np.flatnonzero(~others):
+            left_out[row] = tails(prediction, names, blocks, values[row])
     beyond = float(np.mean((left_out < np.array(rates)).any(axis=1)))
     farthest = left_out.min(axis=0)
     counts = (left_out < np.array(rates)).sum(axis=0)
@@ -256,6 +255,12 @@ def _freed(runs: Sequence[Features], tests: Sequence[str]) -> bool:
         return False
     waves, left = (np.array([[values[name].value for name in names] for values in told]) for told in (plain, freed))
     return tells_more(waves, left, tests)
+
+
+def _mean_known(values: Sequence[float]) -> float:
+    """Mean of those that are known; NaN if none is, as of a direction in which no run moves."""
+    known = [value for value in values if np.isfinite(value)]
+    return float(np.mean(known)) if known else np.nan
 
 
 def _sizes(values: Mapping[str, Feature], names: Sequence[str], travel: float) -> np.ndarray:

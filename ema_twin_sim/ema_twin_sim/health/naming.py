@@ -29,6 +29,13 @@ WORDS = {
 }
 _REASONS = {**WORDS, "wave_both_ways": "wave at the same place in both directions"}
 """Words for the features that speak for a family. ``wave_both_ways`` is a square, so its change is not printed."""
+_PHRASES = {
+    Family.ENCODER: "a fault of the output encoder",
+    Family.LOAD: "a change of the load",
+    Family.OFFSET: "an offset of the effort",
+    Family.UNKNOWN: "none of them",
+}
+"""Families whose names do not end a sentence."""
 _ADVICE = {
     Family.FRICTION_UP: "Look at lubricant, seals and bearings.",
     Family.PRELOAD_UP: "Look at what sets the preload: balls, nut, bearings and their alignment.",
@@ -96,9 +103,8 @@ def name_change(
         return _not_named(
             f"All efforts changed by one factor of {factor:.2f}: check the current sensor and the torque constant."
             if _shown_by_friction(changes)
-            else f"The load changed, or all efforts by one factor of {factor:.2f}: the effort in steady motion scatters "
-            "too much to tell which. Look at what hangs on the output, and check the current sensor and the torque "
-            "constant."
+            else f"The load changed, or all efforts by one factor of {factor:.2f}: the effort in steady motion "
+            f"scatters too much to tell which. {_ADVICE[Family.LOAD]} Check the current sensor and the torque constant."
         )
     if unsigned and _apart(changes):
         return _not_named(
@@ -205,18 +211,22 @@ def _named(ranked: tuple[Ranked, ...]) -> str:
     best = ranked[0]
     reasons = " and ".join(_REASONS[name] for name in best.because[:2])
     sentence = (
-        f"This is {best.family.value} (probability {best.probability:.0%} among the known families and none of them), "
-        f"by {reasons}."
+        f"This is {_phrase(best.family)} (probability {best.probability:.0%} among the known families and none of "
+        f"them), by {reasons}."
     )
     rivals = [other for other in ranked[1:] if other.probability > 1.0 - best.probability or other.probability > PART]
     advice = _ADVICE[best.family]
     if not rivals:
         return f"{sentence} {advice}"
     rival = rivals[0]
-    other = "none of them" if rival.family is Family.UNKNOWN else rival.family.value
+    other = _phrase(rival.family)
     if rival.family is Family.OFFSET:
         advice += f" {_ADVICE[Family.OFFSET]}"
     return f"{sentence} Alternatively {other} ({rival.probability:.0%}). {advice}"
+
+
+def _phrase(family: Family) -> str:
+    return _PHRASES.get(family, family.value)
 
 
 def _unexplained(ranked: tuple[Ranked, ...], changes: Mapping[str, float]) -> str:

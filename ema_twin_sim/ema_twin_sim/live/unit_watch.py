@@ -19,7 +19,6 @@ from ..health.acquisition import Extent
 from ..health.judgement import HealthJudgement
 from ..health.motion_record import MotionRecord
 from ..health.naming import in_words
-from ..health.run_features import run_features
 from ..quantities import quantity
 
 _NOW = "the running test"
@@ -61,7 +60,7 @@ class UnitWatch:
         self.last = None
         try:
             record = MotionRecord.from_recording(read(), _NOW)
-            run = run_features(record, self._learnt.kinds[0].wavelength)
+            run = self._learnt.features(record)
             # Of a run that goes on, the monitor reads a part: its length is no sign of a fault.
             acquisition = replace(run.acquisition, extent=Extent())
             self.last = self._learnt.judge(replace(run, acquisition=acquisition))
