@@ -25,16 +25,14 @@ def block_limit(prediction: Prediction, rate: float) -> float:
     rng = np.random.default_rng(0)  # the same limit each time
     count, tests = len(prediction.mean), prediction.tests
     freedoms = tests - 1, prediction.runs - tests
-    between, within = (
-        _covariances(rng, part, freedom) for part, freedom in zip((prediction.between, prediction.within), freedoms,
-        strict=True)
-    )  # fmt: skip
+    between = _covariances(rng, prediction.between, freedoms[0])
+    within = _covariances(rng, prediction.within, freedoms[1])
     off = _normal(rng, prediction.between * (1.0 + 1.0 / tests) + prediction.within)
     distance = np.einsum(
         "ni,ni->n", off, np.linalg.solve(between * (1.0 + 1.0 / tests) + within, off[..., None])[..., 0]
     )
     inverse = np.linalg.inv(between + within)
-    used = sum(_used(part @ inverse, freedom) for part, freedom in zip((between, within), freedoms, strict=True))
+    used = _used(between @ inverse, freedoms[0]) + _used(within @ inverse, freedoms[1])
     freedom = (count + count**2) / used
     left = freedom - count + 1.0
     tails = np.ones(_DRAWS)
