@@ -16,14 +16,17 @@ def healthy(rng, tests, runs, between):
     return (shared + rng.normal(size=(tests, runs, 4))).reshape(-1, 4), names
 
 
-def called_off(tests, units=60):
-    """Share of further runs of further tests beyond the drawn limit, and beyond the rate itself."""
-    rng = np.random.default_rng(tests)
+def called_off(tests, units=400):
+    """Share of further runs of further tests beyond the drawn limit, and beyond the rate itself.
+
+    Units differ so much that the shares of 400 of them are known to 0.2 to 0.3 %.
+    """
+    rng = np.random.default_rng(100 + tests)
     drawn, told = [], []
     for _ in range(units):
         learnt = predict(*healthy(rng, tests, 5, 5.0))
         limit = block_limit(learnt, RATE)
-        tails = np.array([learnt.tail(one) for one in healthy(rng, 100, 1, 5.0)[0]])
+        tails = np.array([learnt.tail(one) for one in healthy(rng, 40, 1, 5.0)[0]])
         drawn.append(np.mean(tails < limit))
         told.append(np.mean(tails < np.log(RATE)))
     return float(np.mean(drawn)), float(np.mean(told))
@@ -33,7 +36,7 @@ def called_off(tests, units=60):
 @pytest.mark.parametrize("tests", [4, 5, 7])
 def test_few_tests_that_differ_more_than_runs_call_off_the_told_share(tests):
     drawn, told = called_off(tests)
-    assert drawn <= 1.6 * RATE and drawn < told
+    assert drawn <= 1.5 * RATE and drawn < told
 
 
 def test_many_tests_leave_the_limit_as_told():
