@@ -72,7 +72,8 @@ def test_no_family_is_named_that_leaves_what_changed_most():
 def test_an_offset_of_the_effort_is_told_from_a_load_only_by_what_else_a_load_changes(baseline):
     told = judged(baseline, load=15)
     assert told.family is Family.LOAD and told.sureness < 0.6
-    assert "Alternatively offset of the effort" in told.words[-1] and "zero of the current sensor" in told.words[-1]
+    assert told.words[-1].startswith("This is a change of the load (probability ")
+    assert "Alternatively an offset of the effort" in told.words[-1] and "zero of the current sensor" in told.words[-1]
 
 
 def test_wind_up_grows_with_friction_and_is_no_play():
@@ -90,6 +91,51 @@ def test_efforts_that_changed_by_one_factor_are_told_and_named_no_family(baselin
     assert told.family is Family.UNKNOWN and told.sureness == 0.0
     assert told.words[-1].startswith("All efforts changed by one factor of 1.40: check the current sensor and")
     assert judged(baseline, friction=40, settling=20, breakaway=12).family is not Family.UNKNOWN
+
+
+def efforts(healthy, scatter, now):
+    """Changes of efforts, by the healthy values, their scatter and the present values [A]."""
+    return {
+        name: Change(name, now[name], "A", healthy[name], (now[name] - healthy[name]) / scatter[name],
+                     healthy[name] / scatter[name])
+        for name in now
+    }  # fmt: skip
+
+
+HOIST = {"friction": 1.4, "load": 7.0, "settling": 7.0, "breakaway": 3.0}  # A
+SCATTER = {"friction": 0.05, "load": 0.05, "settling": 0.05, "breakaway": 0.06}
+
+
+def test_a_factor_that_friction_hides_is_no_load():
+    """On a hoist friction scatters by more than a small factor changes it: a sensor's gain looks like a load."""
+    scaled = {name: 1.05 * value for name, value in HOIST.items()}
+    gain = name_change(efforts(HOIST, SCATTER, scaled), {}, unsigned=False)
+    assert gain.family is Family.UNKNOWN
+    assert gain.sentence.startswith("The load changed, or all efforts by one factor of 1.05")
+    far = name_change(efforts(HOIST, SCATTER, {name: 1.2 * value for name, value in HOIST.items()}), {}, unsigned=False)
+    assert far.sentence.startswith("All efforts changed by one factor of 1.20")
+
+
+def test_a_load_is_told_from_a_factor_by_what_the_factor_would_have_changed():
+    hung = {"friction": 1.4, "load": 7.7, "settling": 7.7, "breakaway": 3.0}
+    assert name_change(efforts(HOIST, SCATTER, hung), {}, unsigned=False).family in (Family.LOAD, Family.OFFSET)
+    heavy = {"friction": 1.42, "load": 9.0, "settling": 9.0, "breakaway": 3.8}
+    assert name_change(efforts(HOIST, SCATTER, heavy), {}, unsigned=False).family is Family.LOAD
+
+
+def test_friction_of_two_speeds_is_no_load():
+    """Viscous friction in moves of 1 and 2.2 rad/s: half the difference of both efforts is below half their sum."""
+    healthy = {"friction": 0.1, "load": 0.01, "settling": 0.03}  # A
+    scatter = {"friction": 2e-3, "load": 5e-4, "settling": 2e-3}
+    for speeds in ((1.0, 2.2), (2.2, 1.0)):
+        forward, backward = (0.012 * speed for speed in speeds)
+        viscous = {"friction": 0.1 + 0.5 * (forward + backward), "load": 0.01 + 0.5 * (forward - backward)}
+        told = name_change(efforts(healthy, scatter, {**viscous, "settling": 0.04}), {}, unsigned=False)
+        assert told.family in (Family.FRICTION_UP, Family.PRELOAD_UP)
+    half = {"friction": 0.11, "load": 0.03, "settling": 0.03}  # friction by half of what the load changed
+    assert name_change(efforts(healthy, scatter, half), {}, unsigned=False).family is Family.UNKNOWN
+    none = name_change(efforts(healthy, scatter, {**half, "friction": 0.1}), {}, unsigned=False)
+    assert none.family in (Family.LOAD, Family.OFFSET)
 
 
 def test_an_unsigned_effort_that_may_hold_a_load_names_no_friction():

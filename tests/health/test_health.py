@@ -11,8 +11,10 @@ import pytest
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.traces.many_runs import read_runs
+from ema_twin_sim.criteria import CONTRADICTED, NEGLIGIBLE
 from ema_twin_sim.health import Family, MotionRecord, judge, learn, named_together
 from ema_twin_sim.health.between_tests import predict
+from ema_twin_sim.health.encoders import EXACT
 from ema_twin_sim.health.features import features_of
 from ema_twin_sim.health.judgement import judge_run
 from ema_twin_sim.health.run_features import run_features
@@ -97,6 +99,17 @@ def test_pits_are_met_both_ways_and_friction_of_a_place_is_not():
     assert both(wave=0.0, pits=0.1) == pytest.approx(0.1**2, rel=0.1)
     assert both(wave=0.1) == pytest.approx(-(0.1**2), rel=0.1)
     assert abs(both(wave=0.0)) < 1e-4
+
+
+def test_a_wave_is_no_larger_where_a_load_leaves_hardly_any_effort():
+    """Friction that grows on a lowered load takes the effort of that direction to zero, and no wave along."""
+
+    def depth(load):
+        found = [features_of(one, LEAD, False) for one in runs(np.random.default_rng(21), 2, wave=0.0, pits=0.03,
+                 load=load)]  # fmt: skip
+        return float(np.mean([one.values["wave_depth"].value for one in found]))
+
+    assert depth(2.99) < 2.0 * depth(0.0)
 
 
 def test_a_machine_that_hunts_is_named_by_its_pits(baseline):
@@ -236,6 +249,15 @@ def test_play_is_seen_beside_encoders_that_hardly_scatter():
     assert "lost_motion" in learnt.features
     assert learnt.prediction.spread[learnt.features.index("lost_motion")] < 1e-7
     assert judge(both("another", 2e-5), learnt).family is Family.PLAY
+
+
+def test_encoders_that_repeat_to_their_rounding_call_nothing_off():
+    """A scatter that rounding makes repeats almost exactly; what it changes by then is far below any calibration."""
+    rng = np.random.default_rng(22)
+    both = partial(with_play, rng, play=2e-5, scatter=1e-9)
+    learnt = learn([both(f"{i // 4}") for i in range(32)])
+    least = {name: learnt.healthy(name)[1] for name in EXACT if name in learnt.features}
+    assert least and min(least.values()) >= NEGLIGIBLE / CONTRADICTED
 
 
 def test_an_encoder_that_slips_or_runs_eccentrically_is_no_play():

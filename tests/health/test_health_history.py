@@ -107,6 +107,13 @@ def test_what_drifts_away_from_a_limit_never_reaches_it():
     assert found.slope == pytest.approx(-0.05, rel=0.05) and remaining_life(found, LIMIT) is None
 
 
+def test_a_trend_too_slow_to_reach_the_limit_gives_no_life():
+    """Its earliest time would be thousands of times the history away."""
+    times = np.arange(50.0)
+    found = drift(times, HEALTHY + 1e-3 * times, np.full(50, 1e-4))
+    assert found.is_trend and remaining_life(found, HEALTHY + 1e4) is None
+
+
 def test_what_has_passed_its_limit_has_no_life_left():
     times = np.arange(50.0)
     step = 1.1 * (LIMIT - HEALTHY) / times[-1]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pyarrow as pa
 
-SCHEMA_VERSION = "6"
+SCHEMA_VERSION = "7"
 """Changed with what would break readers of older files: the schema, or what the numbers of a column are."""
 
 DONE, REFUSED, FAILED = "done", "refused", "failed"

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from itertools import takewhile
 from typing import Any
 
+import numpy as np
+
 from ema_bench_replay.errors import InputError
 
 from ..health.baseline import FEWEST_TESTS, Baseline, learn_from
@@ -14,8 +16,9 @@ from ..health.comparable import unlike
 from ..health.false_alarms import FALSE_ALARM
 from ..health.families import Family, Ranked
 from ..health.judgement import HealthJudgement, judge_run, naming_together
+from ..health.motion_record import MotionRecord
 from ..health.naming import Naming
-from ..health.run_features import RunFeatures, kinds_of_motion
+from ..health.run_features import RunFeatures, kinds_of_motion, run_features
 from ..listing import first_of
 from .health_rows import run_of
 from .healthy import Healthy
@@ -179,6 +182,13 @@ class Learnt:
         if run.features is None:
             return 0
         return min(range(len(self.kinds)), key=lambda place: unlike(run, self.kinds[place]))
+
+    def features(self, record: MotionRecord) -> RunFeatures:
+        """The features of a run with the wavelength of the baseline whose motion is nearest to its own."""
+        run = run_features(record, self.kinds[0].wavelength)
+        own = self.kinds[self.kind(run)].wavelength
+        same = np.array_equal(own, run.wavelength, equal_nan=True)
+        return run if same else run_features(record, own)
 
     def judge(self, run: RunFeatures) -> HealthJudgement:
         """Judge by the baseline of the nearest motion, which also says what differs."""

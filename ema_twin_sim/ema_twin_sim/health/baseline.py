@@ -11,10 +11,12 @@ from scipy import stats
 
 from ema_bench_replay.errors import InputError
 
-from ..criteria import MOSTLY, NEARLY_ALL
+from ..criteria import CONTRADICTED, MOSTLY, NEARLY_ALL, NEGLIGIBLE
 from .acquisition import Extent, judge_acquisition
 from .between_tests import Prediction, predict
+from .block_limit import block_limit
 from .disturbance import tells_more
+from .encoders import EXACT
 from .false_alarms import FALSE_ALARM
 from .features import Feature, Features, stroke_efforts
 from .motion_record import MotionRecord
@@ -135,7 +137,7 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
         if all(name in values for values in told)
         and (wavelength <= travel or not name.startswith("wave_"))  # a longer wave cannot be told from a trend
     )
-    sides = tuple(float(np.nanmean([features.sides[i] for features in all_features])) for i in (0, 1))
+    sides = tuple(_mean_known([features.sides[way] for features in all_features]) for way in (0, 1))
     scale = float(np.nanmax(np.abs(sides)))
     values = np.array([_vector(values, names, scale) for values in told])
     sizes = _sizes(told[0], names, travel)
@@ -149,9 +151,10 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
     judged = [name for name in moving if not (unsigned and name == "load")]  # a magnitude does not show a load
     columns = [moving.index(name) for name in judged]
     blocks, left_out = _limits(judged, values[:, columns], tests, false_alarm)
+    least = [NEGLIGIBLE / CONTRADICTED if name in EXACT else 0.0 for name in moving]
     return Baseline(
         features=tuple(moving),
-        prediction=predict(values, tests),
+        prediction=predict(values, tests).no_better_than(np.array(least)),
         scale=scale,
         sides=(sides[0], sides[1]),
         wavelength=wavelength,
@@ -198,23 +201,27 @@ def _limits(
     the baseline of the other tests. If more of them than chance allows are beyond a block's limit, the runs of this
     unit are not normally distributed, and the limit moves to the farthest of them.
     """
-    blocks = _blocks(names, predict(values, tests))
+    learnt = predict(values, tests)
+    blocks = _blocks(names, learnt)
     rates = _rates(blocks, false_alarm)
+    drawn = [
+        block_limit(learnt.part([names.index(name) for name in block]), math.exp(rate)) if len(block) > 1 else rate
+        for block, rate in zip(blocks, rates, strict=True)
+    ]
     labels = np.asarray(tests)
     left_out = np.zeros((len(values), len(blocks)))
-    if len(set(tests)) > FEWEST_TESTS - 1:
-        for test in dict.fromkeys(tests):
-            others = labels != test
-            prediction = predict(values[others], [name for name in tests if name != test])
-            for row in np.flatnonzero(~others):
-                left_out[row] = tails(prediction, names, blocks, values[row])
+    for test in dict.fromkeys(tests):
+        others = labels != test
+        prediction = predict(values[others], [name for name in tests if name != test])
+        for row in np.flatnonzero(~others):
+            left_out[row] = tails(prediction, names, blocks, values[row])
     beyond = float(np.mean((left_out < np.array(rates)).any(axis=1)))
     farthest = left_out.min(axis=0)
     counts = (left_out < np.array(rates)).sum(axis=0)
     unlikely = stats.binom.sf(counts - 1, len(values), np.exp(rates)) < 1.0 - NEARLY_ALL
     limits = tuple(
-        BlockLimit(block, min(rate, float(far)) if odd else rate)
-        for block, rate, far, odd in zip(blocks, rates, farthest, unlikely, strict=True)
+        BlockLimit(block, min(limit, float(far)) if odd else limit)
+        for block, limit, far, odd in zip(blocks, drawn, farthest, unlikely, strict=True)
     )
     return limits, beyond
 
@@ -248,6 +255,12 @@ def _freed(runs: Sequence[Features], tests: Sequence[str]) -> bool:
         return False
     waves, left = (np.array([[values[name].value for name in names] for values in told]) for told in (plain, freed))
     return tells_more(waves, left, tests)
+
+
+def _mean_known(values: Sequence[float]) -> float:
+    """Mean of those that are known; NaN if none is, as of a direction in which no run moves."""
+    known = [value for value in values if np.isfinite(value)]
+    return float(np.mean(known)) if known else np.nan
 
 
 def _sizes(values: Mapping[str, Feature], names: Sequence[str], travel: float) -> np.ndarray:

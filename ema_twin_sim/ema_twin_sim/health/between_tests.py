@@ -11,7 +11,7 @@ for one further observation.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -50,6 +50,10 @@ class Prediction:
                 share = part @ inverse
                 used += (float(np.trace(share @ share)) + float(np.trace(share)) ** 2) / freedom
         return (count + count**2) / used
+
+    def no_better_than(self, least: np.ndarray) -> Prediction:
+        """The same where no feature is better known than by ``least`` (p,), a standard deviation between tests."""
+        return replace(self, between=self.between + np.diag(least**2), _parts={})
 
     def part(self, which: Sequence[int]) -> Prediction:
         """The prediction of some of the features; the same one each time, since it knows what it has computed."""

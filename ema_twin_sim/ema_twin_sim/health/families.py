@@ -42,6 +42,7 @@ from enum import Enum
 import numpy as np
 
 from ..criteria import CONTRADICTED, LIKELY, MOSTLY, PART, SUREST
+from .encoders import EXACT
 
 
 class Family(Enum):
@@ -109,9 +110,6 @@ _SHARES = ("wave_depth", "wave_both_ways", "bump")
 _WITH_A_LOAD = ("breakaway", "lag", "roughness", "slow_roughness")
 """What a load changes besides the effort that it takes: its inertia and how it varies along a stroke."""
 _EFFORTS = ("friction", "load", "settling", "breakaway")
-_CONSIDERABLE = ("encoder_reach", "encoder_scatter", "encoder_drift")
-"""They repeat so exactly that any change of the motion moves them by standard deviations, so they have to grow by a
-considerable share."""
 _AKAIKE = 2.0
 
 
@@ -155,7 +153,7 @@ def rank(
     values = {name: change for name, change in alone.items() if any(name in of for of in DIRECTIONS.values())}
     if not values:
         return ()
-    slight = {name for name in _CONSIDERABLE if more.get(name, np.inf) <= PART}
+    slight = {name for name in EXACT if more.get(name, np.inf) <= PART}  # they have to grow by a considerable share
     measured = {**(beside or {}), **{name: change for name, change in alone.items() if name not in slight}}
     found = [
         _explanation(family, values)

@@ -37,6 +37,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..criteria import MOSTLY
 from .disturbance import disturbance
 from .encoders import encoders_apart
 from .motion_record import MotionRecord, rounding_scatter
@@ -134,7 +135,7 @@ def _waves(record: MotionRecord, phases: Phases, wavelength: float, unsigned: bo
     found: dict[str, float] = {}
     for direction, name in ((1, "forward"), (-1, "backward")):
         strokes = [(p, np.r_[p.steady]) for p in phases.strokes(direction)]
-        size = abs(level(record, phases, direction, unsigned))
+        size = _size(record, phases, direction, unsigned)
         if (wave := _phasor(record, strokes, size, wavelength, unsigned, freed)) is not None:
             found |= {f"wave_{name}_cos": wave.real, f"wave_{name}_sin": wave.imag}
     if not found:
@@ -143,6 +144,16 @@ def _waves(record: MotionRecord, phases: Phases, wavelength: float, unsigned: bo
     if (both := _wave_both_ways(record, phases, wavelength, unsigned, freed)) is not None:
         found["wave_both_ways"] = both
     return {name: Feature(value, "1") for name, value in found.items()} | {"wave_depth": Feature(depth, "%")}
+
+
+def _size(record: MotionRecord, phases: Phases, direction: int, unsigned: bool) -> float:
+    """The effort that waves of a direction are a share of: its own, but at least the greater part of that of both.
+
+    A load that drives the machine may leave hardly any effort in one direction, of which each wave would be many times.
+    """
+    own, other = (abs(level(record, phases, way, unsigned)) for way in (direction, -direction))
+    both = float(np.sqrt(0.5 * (own**2 + other**2)))
+    return own if np.isnan(other) else max(own, MOSTLY * both)
 
 
 def _phasor(
@@ -174,7 +185,7 @@ def _wave_both_ways(
     for direction in (1, -1):
         pieces = [(p, np.r_[(p.beginning.start + p.beginning.stop) // 2 : p.steady.stop]) for p in
                   phases.strokes(direction)]  # fmt: skip
-        sides.append((abs(level(record, phases, direction, unsigned)), pieces))
+        sides.append((_size(record, phases, direction, unsigned), pieces))
     strokes = [where[rows] for _, pieces in sides for _, rows in pieces]
     if not all(pieces for _, pieces in sides):
         return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from ..criteria import CONTRADICTED, LIKELY, PART, SIGNIFICANT, SUREST
+from ..criteria import CONTRADICTED, LIKELY, PART, SIGNIFICANT, SMALL, SUREST
 from .change import Change, growths
 from .families import Family, Ranked, rank
 
@@ -29,6 +29,13 @@ WORDS = {
 }
 _REASONS = {**WORDS, "wave_both_ways": "wave at the same place in both directions"}
 """Words for the features that speak for a family. ``wave_both_ways`` is a square, so its change is not printed."""
+_PHRASES = {
+    Family.ENCODER: "a fault of the output encoder",
+    Family.LOAD: "a change of the load",
+    Family.OFFSET: "an offset of the effort",
+    Family.UNKNOWN: "none of them",
+}
+"""Families whose names do not end a sentence."""
 _ADVICE = {
     Family.FRICTION_UP: "Look at lubricant, seals and bearings.",
     Family.PRELOAD_UP: "Look at what sets the preload: balls, nut, bearings and their alignment.",
@@ -95,6 +102,9 @@ def name_change(
     if (factor := one_factor(changes)) is not None:
         return _not_named(
             f"All efforts changed by one factor of {factor:.2f}: check the current sensor and the torque constant."
+            if _shown_by_friction(changes)
+            else f"The load changed, or all efforts by one factor of {factor:.2f}: the effort in steady motion "
+            f"scatters too much to tell which. {_ADVICE[Family.LOAD]} Check the current sensor and the torque constant."
         )
     if unsigned and _apart(changes):
         return _not_named(
@@ -103,7 +113,11 @@ def name_change(
         )
     held = unsigned and _held(changes)
     told = {name: one.standard_deviations for name, one in changes.items() if not (unsigned and name == "load")}
-    ranked = rank(told, beside, growths(changes), _OF_LEVELS if held else frozenset())
+    without = set(_OF_LEVELS if held else ())
+    if "load" in told and (shared := _shared_with_friction(changes)) > 0.0:
+        told["load"] *= max(0.0, 1.0 - shared)
+        without |= {Family.LOAD, Family.OFFSET} if shared > PART else set()
+    ranked = rank(told, beside, growths(changes), without)
     naming = Naming(ranked, "")
     if naming.family is not Family.UNKNOWN:
         return Naming(ranked, _named(ranked))
@@ -113,7 +127,8 @@ def name_change(
             "The effort changed; it is unsigned and as large at rest as in motion, so it does not show whether load or "
             "friction changed. Record a signed current.",
         )
-    return Naming(ranked, f"{_unexplained(ranked, told)} {_ADVICE[Family.UNKNOWN]}")
+    moved = {name: changes[name].standard_deviations for name in told}
+    return Naming(ranked, f"{_unexplained(ranked, moved)} {_ADVICE[Family.UNKNOWN]}")
 
 
 def agreed(motions: Sequence[tuple[Naming, int]]) -> Naming:
@@ -134,9 +149,10 @@ def agreed(motions: Sequence[tuple[Naming, int]]) -> Naming:
 
 
 def one_factor(changes: Mapping[str, Change]) -> float | None:
-    """The factor by which all levels of the effort changed, if one explains them; None if not.
+    """The factor by which all levels of the effort may have changed, if one explains them; None if not.
 
-    Friction alone scales no load and a load alone no friction, so both have to show it.
+    Friction alone scales no load, and a load alone no friction. So both have to agree with the factor, the load beyond
+    its scatter; whether friction tells it from a load is for ``_shown_by_friction``.
     """
     levels = {name: changes[name] for name in _LEVELS if name in changes}
     if not {"friction", "load"} <= set(levels):
@@ -144,9 +160,30 @@ def one_factor(changes: Mapping[str, Change]) -> float | None:
     weight = sum(one.size**2 for one in levels.values())
     more = sum(one.size * one.standard_deviations for one in levels.values()) / weight
     shown = {name: more * one.size for name, one in levels.items()}
-    fits = all(abs(one.standard_deviations - shown[name]) < CONTRADICTED for name, one in levels.items())
-    both = abs(shown["load"]) > CONTRADICTED and abs(shown["friction"]) > LIKELY
-    return 1.0 + more if fits and both else None
+    fits = all(
+        abs(one.standard_deviations - shown[name]) < max(CONTRADICTED, SMALL * abs(shown[name]))
+        for name, one in levels.items()
+    )
+    started = changes.get("breakaway")
+    refuted = started is not None and abs(more * started.size) - abs(started.standard_deviations) > CONTRADICTED
+    return 1.0 + more if fits and abs(shown["load"]) > CONTRADICTED and not refuted else None
+
+
+def _shown_by_friction(changes: Mapping[str, Change]) -> bool:
+    """Whether friction, which no load scales, changed beyond chance."""
+    return abs(changes["friction"].standard_deviations) > LIKELY
+
+
+def _shared_with_friction(changes: Mapping[str, Change]) -> float:
+    """Friction's change as a share of the load's, both as efforts; zero if friction is not known to have changed.
+
+    A load adds as much in one direction as it takes in the other. Friction that grows with speed, in moves of two
+    speeds, adds in both: half the difference is at most half the sum. So what friction's change reaches is no load.
+    """
+    if not {"friction", "load"} <= set(changes) or abs(changes["friction"].standard_deviations) <= CONTRADICTED:
+        return 0.0
+    friction, load = (abs(changes[name].value - changes[name].healthy) for name in ("friction", "load"))
+    return friction / load if load else 0.0
 
 
 def _apart(changes: Mapping[str, Change]) -> bool:
@@ -174,18 +211,22 @@ def _named(ranked: tuple[Ranked, ...]) -> str:
     best = ranked[0]
     reasons = " and ".join(_REASONS[name] for name in best.because[:2])
     sentence = (
-        f"This is {best.family.value} (probability {best.probability:.0%} among the known families and none of them), "
-        f"by {reasons}."
+        f"This is {_phrase(best.family)} (probability {best.probability:.0%} among the known families and none of "
+        f"them), by {reasons}."
     )
     rivals = [other for other in ranked[1:] if other.probability > 1.0 - best.probability or other.probability > PART]
     advice = _ADVICE[best.family]
     if not rivals:
         return f"{sentence} {advice}"
     rival = rivals[0]
-    other = "none of them" if rival.family is Family.UNKNOWN else rival.family.value
+    other = _phrase(rival.family)
     if rival.family is Family.OFFSET:
         advice += f" {_ADVICE[Family.OFFSET]}"
     return f"{sentence} Alternatively {other} ({rival.probability:.0%}). {advice}"
+
+
+def _phrase(family: Family) -> str:
+    return _PHRASES.get(family, family.value)
 
 
 def _unexplained(ranked: tuple[Ranked, ...], changes: Mapping[str, float]) -> str:

@@ -44,7 +44,7 @@ def margin(found: Drift, healthy: float, limit: float) -> Margin:
 def remaining_life(
     found: Drift, limit: float, probability: float = 0.9, limit_error: float = 0.0, healthy: float | None = None
 ) -> RemainingLife | None:
-    """When the values reach a limit that they drift to; None if they show no trend towards it.
+    """When the values reach a limit that they drift to; None if they show no trend towards it, or one too slow for it.
 
     Which side of the limit is beyond it follows from the ``healthy`` value or, if that is not given, from the present
     one. If ``healthy`` is given and the values have passed the limit with the interval's probability, no life is left,
@@ -58,6 +58,8 @@ def remaining_life(
     if not found.is_trend or side * found.slope <= 0.0:
         return None
     moments = [_when(found, limit, limit_error, side, share) for share in (tail, 0.5, 1.0 - tail)]
+    if not np.isfinite(moments[0]):
+        return None
     return RemainingLife(moments[1], moments[0], moments[2], probability)
 
 

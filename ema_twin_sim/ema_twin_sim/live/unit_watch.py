@@ -20,7 +20,6 @@ from ..health.acquisition import Extent
 from ..health.judgement import HealthJudgement
 from ..health.motion_record import MotionRecord
 from ..health.naming import in_words
-from ..health.run_features import run_features
 from ..quantities import quantity
 
 _NOW = "the running test"
@@ -72,7 +71,7 @@ class UnitWatch:
                     f"a history of {1.1 * len(recording) * asked / recording.duration:.0f} samples"
                 )
             record = MotionRecord.from_recording(recording, _NOW)
-            run = run_features(record, self._learnt.kinds[0].wavelength)
+            run = self._learnt.features(record)
             # Of a run that goes on, the monitor reads a part: its length is no sign of a fault.
             acquisition = replace(run.acquisition, extent=Extent())
             self.last = self._learnt.judge(replace(run, acquisition=acquisition))

@@ -20,7 +20,6 @@ from ..campaign.unit_health import UnitHealth
 from ..campaign.units import Unit
 from ..listing import number_of
 from ..quantities import estimate, quantity
-from ..words.sentences import effect_words
 from ..words.unit_health import TEST_HEAD, course_words, feature_words, health_words, test_cells
 from ..words.unit_results import LAST_ERROR, NUMBERS, result_columns
 from ..words.units import (
@@ -222,7 +221,7 @@ def _advice(unit: Unit, changed: Sequence[Outlook], leading: Sequence[Outlook], 
         else f"Plan its maintenance: {number_words(look)} reaches its limit in {life_words(look)}."
         for look in ending
     ]
-    told += [f"Find out why {number_words(look)} changes: {effect_words(look.history.owner)}." for look in changed[:3]]
+    told += [f"Find out why {number_words(look)} has changed ({change_of(look)})." for look in changed[:3]]
     if health is not None and health.off:
         told.append(health.off[-1].why)
     if health is not None and health.blind:
