@@ -34,12 +34,22 @@ def seen(*errors):
     """The errors at the start and after each round."""
     return Unseen(
         signal="unexplained_torque", unit="N m", noise_floor=FLOOR, rmse=errors, recordings=(), output=(),
-        encoders=False, given=errors[0], given_recordings=(), given_output=None, moving=errors,
+        encoders=False, given=errors[0], given_recordings=(), given_output=None, moving=errors, settled=errors,
         judged_from=errors[0], judged_from_output=None,
     )  # fmt: skip
 
 
 TWO = ("gravity_load", "cogging")
+
+
+@pytest.mark.parametrize(("settled", "idle"), [
+    ((15.0, 4.0, 2.0), ()),
+    ((15.0, 4.0, 3.9), ("cogging",)),  # no more than what it happens to do to the slow motion
+    ((15.0, 4.0, 4.0), ("cogging",)),
+])  # fmt: skip
+def test_what_clearly_explains_motion_is_not_idle_for_what_filters_carry_on_from_standstill(settled, idle):
+    unseen = replace(seen(20.0, 5.0, 6.0), settled=settled)
+    assert idle_effects(searched(*TWO), unseen) == (idle, False)
 
 
 @pytest.mark.parametrize(("errors", "idle"), [

@@ -42,4 +42,4 @@ def test_what_friction_holds_at_standstill_is_no_error_in_motion(cogs, named):
     assert found.added == named
     of_noise = TORQUE_CONSTANT * NOISE * math.sqrt(PERIOD / (4.0 * COUNTER_LAG))  # what two equal lags pass of it
     assert found.unseen.rmse[-1] > 2.0 * NOISY * of_noise
-    assert found.unseen.moving[-1] < NOISY * of_noise
+    assert found.unseen.settled[-1] < NOISY * of_noise

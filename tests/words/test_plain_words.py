@@ -35,11 +35,15 @@ def test_all_of_an_error_is_gone_only_where_the_noise_alone_is_left(after, told)
 
 def test_what_the_last_step_leaves_is_told_beside_the_noise():
     unseen = SimpleNamespace(
-        signal="unexplained_torque", rmse=(3.0, 33.0 * FLOOR), moving=(3.0, 33.0 * FLOOR), noise_floor=FLOOR, unit="N m"
+        signal="unexplained_torque",
+        rmse=(3.0, 33.0 * FLOOR),
+        settled=(3.0, 33.0 * FLOOR),
+        noise_floor=FLOOR,
+        unit="N m",
     )
     assert left_sentence(unseen).endswith("error of the unexplained torque is still 33 times the sensors' noise.")
-    for moving, told in ((4.0, "but only 4.0 times in motion"), (1.2, "but within it in motion")):
-        mostly_at_rest = SimpleNamespace(**{**vars(unseen), "moving": (3.0, moving * FLOOR)})
+    for settled, told in ((4.0, "but only 4.0 times in motion"), (1.2, "but within it in motion")):
+        mostly_at_rest = SimpleNamespace(**{**vars(unseen), "settled": (3.0, settled * FLOOR)})
         assert f"still 33 times the sensors' noise, {told}: at standstill," in left_sentence(mostly_at_rest)
     for quiet in ({"rmse": (3.0, 1.2 * FLOOR)}, {"noise_floor": 0.0}):
         assert left_sentence(SimpleNamespace(**{**vars(unseen), **quiet})) == ""

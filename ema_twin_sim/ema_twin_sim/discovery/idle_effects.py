@@ -50,9 +50,10 @@ def idle_effects(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]
         if parting and (little or another):
             return parting, True
         there = unseen.removed(first, ended)
-        if of_torque and there is not None and there <= 0.0:
+        nothing = there is not None and there <= 0.0 and not unseen.clearly_less(first, ended)
+        if of_torque and nothing:
             return tuple(came), False
-        if bending and there is not None and there <= 0.0:
+        if bending and nothing:
             return bending, False
     return (_since_the_best(found, unseen, kept) if real else ()), False
 
@@ -76,9 +77,10 @@ def _since_the_best(found: Search, unseen: Unseen, kept: Collection[frozenset[st
     """Effects on the torque that came after the round that left the smallest error, if the end leaves clearly more."""
     added = found.fit.hypothesis.added
     held = [{*found.rounds[0].before.hypothesis.added}, *({*turn.after.hypothesis.added} for turn in found.taken)]
-    errors = zip(unseen.moving, held, strict=False)  # the end may be one more
-    least, before = min((one for one in errors if one[1] <= {*added}), key=lambda one: one[0])
-    if not unseen.moving[-1] > (1.0 + NEGLIGIBLE) * least:
+    # the end may be one more
+    errors = [(unseen.moving[k], k, before) for k, before in enumerate(held[: len(unseen.moving)])]
+    least, best, before = min((one for one in errors if one[2] <= {*added}), key=lambda one: one[0])
+    if not unseen.moving[-1] > (1.0 + NEGLIGIBLE) * least or unseen.clearly_less(best, -1):
         return ()
     since = tuple(n for n in added if n not in before and shows_over(found, n) != "encoders")
     return () if frozenset(since) in kept else since

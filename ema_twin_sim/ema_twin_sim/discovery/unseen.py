@@ -44,6 +44,8 @@ class Unseen:
 
     ``moving`` is the RMSE that decides. It leaves out standstill if the current drives the twin: rigid friction at rest
     balances any torque below its level, so that whatever describes standstill better would only seem worse there.
+    ``settled`` leaves out also what the filters of the unexplained torque carry on from standstill, and with it much of
+    the slow motion: what is clearly less there is less.
     """
 
     signal: str
@@ -57,6 +59,7 @@ class Unseen:
     given_recordings: tuple[float, ...]
     given_output: float | None
     moving: tuple[float, ...]
+    settled: tuple[float, ...]
     judged_from: float  # reference of the end, by ``moving``: the given model; if constants are open, all fitted
     judged_from_output: float | None
 
@@ -77,7 +80,7 @@ class Unseen:
         Closer in the main signal or in the encoder difference; or clearly closer in the output position without being
         farther in the main signal.
         """
-        if self.moving[-1] < self._decided(0):
+        if self.moving[-1] < self._decided(0) or self.clearly_less(0, -1):
             return True
         if self.encoders:
             return self.output[-1] < self._decided_output(0)
@@ -88,7 +91,12 @@ class Unseen:
     @property
     def worsens(self) -> bool:
         """Whether the end is clearly farther from the recordings than the start."""
-        return self.moving[-1] > CLEARLY_MORE * max(self._decided(0), self.noise_floor)
+        farther = self.moving[-1] > CLEARLY_MORE * max(self._decided(0), self.noise_floor)
+        return farther and not self.clearly_less(0, -1)
+
+    def clearly_less(self, before: int, after: int) -> bool:
+        """Whether the settled error of a round is clearly less than that of another one."""
+        return CLEARLY_MORE * self.settled[after] < self.settled[before]
 
     def mostly_left(self, before: int) -> bool:
         """Whether more of the excess above the noise floor stayed than went, from a round to the end.
@@ -141,6 +149,7 @@ class Unseen:
             given_recordings=tuple(per * value for value in self.given_recordings),
             given_output=None if self.given_output is None else way * self.given_output,
             moving=tuple(per * value for value in self.moving),
+            settled=tuple(per * value for value in self.settled),
             judged_from=per * self.judged_from,
             judged_from_output=None if self.judged_from_output is None else way * self.judged_from_output,
         )
@@ -157,6 +166,7 @@ class Unseen:
             given=constant * self.given,
             given_recordings=tuple(constant * value for value in self.given_recordings),
             moving=tuple(constant * value for value in self.moving),
+            settled=tuple(constant * value for value in self.settled),
             judged_from=constant * self.judged_from,
         )
 
@@ -168,7 +178,7 @@ class Unseen:
             "unit": self.unit,
             "noise_floor": self.noise_floor,
             "rmse": list(self.rmse),
-            "moving": list(self.moving),
+            "settled": list(self.settled),
             output: list(self.output),
             "recordings": [{"name": name, "rmse": list(values)} for name, values in self.recordings],
             "as_given": {
@@ -188,23 +198,22 @@ def _told(share: float | None) -> float | None:
 
 
 def squares(
-    model: Model, recording: Recording, source: str, signals: Sequence[str], moving: np.ndarray | None = None
+    model: Model, recording: Recording, source: str, signals: Sequence[str], parts: Sequence[np.ndarray] = ()
 ) -> np.ndarray:
     """(sum of squared errors, samples) of a simulated loop for each signal, one after the other (2 s,).
 
-    With ``moving`` (n,) two more follow: the same of the first signal in these samples alone. NaN if the motion cannot
-    be simulated with these numbers.
+    For each of the ``parts`` (n,), samples of the recording, two more follow: the same of the first signal in these
+    alone. NaN if the motion cannot be simulated with these numbers.
     """
     try:
         twin = simulate(model, recording, source, step=coarse_step(model))
     except InputError:
-        return np.full(2 * len(signals) + (0 if moving is None else 2), np.nan)
+        return np.full(2 * (len(signals) + len(parts)), np.nan)
     residuals = []
     for name in signals:
         measured = 0.0 if name == "unexplained_torque" else recording.signals.get(name, np.nan)
         residuals.append(np.asarray(measured - twin.signals.get(name, np.nan)))
-    if moving is not None:
-        residuals.append(residuals[0][moving])
+    residuals += [residuals[0][part] for part in parts]
     found = []
     for residual in residuals:
         counted = residual[np.isfinite(residual)]
@@ -212,19 +221,18 @@ def squares(
     return np.array(found)
 
 
-def _moving(o: Observation, recording: Recording, model: Model) -> np.ndarray:
-    """Samples (n,) of a recording (SI) whose unexplained torque tells of a moving motor, and of no standstill.
+def _in_motion(o: Observation, recording: Recording, model: Model) -> tuple[np.ndarray, np.ndarray]:
+    """Samples (n,) of a recording (SI) in which its motor moves, and those whose filters carry on no standstill.
 
-    The filters carry on for a while what they had at standstill; samples in which they do count only if hardly any
-    others are left. ``o`` is in the own units of the ``model``.
+    The same ones if hardly any are left: that would be the fastest alone. ``o`` is in the own units of the ``model``.
     """
     if o.of_points:
-        return np.ones(len(recording), bool)
+        return np.ones(len(recording), bool), np.ones(len(recording), bool)
     second, _ = shown(model, 1.0, "s")
-    still = np.interp(recording.time / second, o.motion[:, TIME], np.abs(o.motion[:, SPEED])) < STANDSTILL
-    stood = np.maximum.accumulate(np.where(still, recording.time, -np.inf))
-    forgotten = recording.time - stood > _settling(recording)
-    return forgotten if np.count_nonzero(forgotten) > PART * np.count_nonzero(~still) else ~still
+    moves = np.interp(recording.time / second, o.motion[:, TIME], np.abs(o.motion[:, SPEED])) >= STANDSTILL
+    stood = np.maximum.accumulate(np.where(moves, -np.inf, recording.time))
+    settled = recording.time - stood > _settling(recording)
+    return moves, settled if np.count_nonzero(settled) > PART * np.count_nonzero(moves) else moves
 
 
 def _settling(recording: Recording) -> float:
@@ -262,11 +270,11 @@ class Judge:
         fits: list[Fit] = [found.rounds[0].before, *(turn.after for turn in found.taken)]
         if len(fits) == 1 or fits[-1] is not found.fit:
             fits.append(found.fit)
-        moving = [
-            _moving(o, recording, base) if driven else np.ones(len(recording), bool)
+        parts = [
+            _in_motion(o, recording, base) if driven else 2 * (np.ones(len(recording), bool),)
             for o, recording in zip(problem.observations, recordings, strict=True)
         ]
-        cases = list(zip(recordings, inputs, moving, strict=True))
+        cases = list(zip(recordings, inputs, parts, strict=True))
         fitted = fits[:-1] if as_given else fits
         ends: list[Fit | None] = [None, *fitted, *([None] if as_given else [])]
         table = self._squares(problem, ends, cases, (signal, "output_position"))
@@ -282,7 +290,7 @@ class Judge:
             left = [first, *(self._by_others(problem, f)[1] for f in fitted), *last]
             of_output = [parting(problem, residual) for residual in left]
         start = int(base.is_open)
-        judged_from = float(pooled[start, -1]), of_output[start] if of_output else None
+        judged_from = float(pooled[start, -2]), of_output[start] if of_output else None
         if as_given or not pooled[1, 0] < pooled[0, 0]:  # fitting open constants while an effect is missing may mislead
             pooled[1], each[1] = pooled[0], each[0]
             of_output[1:2] = of_output[:1]
@@ -297,6 +305,7 @@ class Judge:
             float(pooled[0, 0]),
             tuple(float(value) for value in each[0]),
             of_output[0] if of_output else None,
+            tuple(float(value) for value in pooled[1:, -2]),
             tuple(float(value) for value in pooled[1:, -1]),
             *judged_from,
         )
@@ -314,19 +323,19 @@ class Judge:
         self,
         problem: EquationErrorProblem,
         ends: Sequence[Fit | None],
-        cases: Sequence[tuple[Recording, str, np.ndarray]],
+        cases: Sequence[tuple[Recording, str, tuple[np.ndarray, np.ndarray]]],
         signals: Sequence[str],
     ) -> np.ndarray:
-        """What ``squares`` gives (e, R, signals + 1, 2) for fits, and for the given model in the place of None."""
+        """What ``squares`` gives (e, R, signals + 2, 2) for fits, and for the given model in the place of None."""
         fresh = [f for f in dict.fromkeys(ends) if (problem, f) not in self._simulated]
-        jobs: list[tuple[Recording, str, np.ndarray, Model]] = []
+        jobs: list[tuple[Recording, str, tuple[np.ndarray, np.ndarray], Model]] = []
         for f in fresh:
             models = [self.given] * len(cases)
             if f is not None:
                 models = [in_si(f.hypothesis.at(values).model()) for values in self._by_others(problem, f)[0]]
             jobs += [(*case, model) for case, model in zip(cases, models, strict=True)]
         rows = list(simulations(lambda job: squares(job[3], job[0], job[1], signals, job[2]), jobs))
-        tables = np.array(rows).reshape(len(fresh), len(cases), len(signals) + 1, 2)
+        tables = np.array(rows).reshape(len(fresh), len(cases), len(signals) + 2, 2)
         self._simulated |= {(problem, f): table for f, table in zip(fresh, tables, strict=True)}
         return np.stack([self._simulated[problem, f] for f in ends])
 

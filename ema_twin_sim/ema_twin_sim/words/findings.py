@@ -29,8 +29,8 @@ Held = Mapping[str, Any]
 class UnseenErrors:
     """RMSE on recordings that were not fitted to: at the start, and after each round; pooled and per recording.
 
-    The start is the given model with its own constants fitted, if that reduces the error. ``moving`` is the pooled RMSE
-    without standstill.
+    The start is the given model with its own constants fitted, if that reduces the error. ``settled`` is the pooled
+    RMSE in motion, without what filters carry on from standstill.
     """
 
     signal: str
@@ -40,7 +40,7 @@ class UnseenErrors:
     recordings: tuple[tuple[str, tuple[float, ...]], ...]
     given: float | None = None  # of the unchanged model; None if the file does not say
     given_recordings: tuple[float, ...] = ()
-    moving: tuple[float, ...] = ()  # empty if the file does not say
+    settled: tuple[float, ...] = ()  # empty if the file does not say
 
 
 @dataclass(frozen=True)
@@ -218,7 +218,7 @@ def _unseen(unseen: Mapping[str, Any]) -> UnseenErrors:
         tuple((str(entry["name"]), _numbers(entry["rmse"])) for entry in unseen["recordings"]),
         _perhaps(given["rmse"]),
         tuple(number(entry["rmse"]) for entry in given["recordings"]),
-        _numbers(unseen.get("moving", [])),
+        _numbers(unseen.get("settled", [])),
     )
 
 

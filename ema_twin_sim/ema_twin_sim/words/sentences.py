@@ -99,9 +99,9 @@ def left_sentence(unseen: Unseen | UnseenErrors) -> str:
     if not math.isfinite(unseen.rmse[-1]):
         return f"After the last step {error} is not known: the simulation of a recording ends with these numbers."
     left = f"After the last step {error} is still {times_words(unseen.rmse[-1] / floor)} the sensors' noise"
-    if not unseen.moving or unseen.moving[-1] ** 2 > (1.0 - MOSTLY) * unseen.rmse[-1] ** 2:
+    if not unseen.settled or unseen.settled[-1] ** 2 > (1.0 - MOSTLY) * unseen.rmse[-1] ** 2:
         return f"{left}."
-    moving = "within it" if unseen.moving[-1] <= NOISY * floor else f"only {times_words(unseen.moving[-1] / floor)}"
+    moving = "within it" if unseen.settled[-1] <= NOISY * floor else f"only {times_words(unseen.settled[-1] / floor)}"
     return f"{left}, but {moving} in motion: at standstill, friction holds any torque below its level."
 
 
