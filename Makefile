@@ -27,11 +27,11 @@ TESTS = PYTHONDONTWRITEBYTECODE= $(RUN) -m pytest tests -n auto --dist loadfile 
 
 test: setup ## style and type checks, and every test but those that take long
 	@$(STYLE)
-	@$(BESIDE_TYPES) quick-tests
+	+@$(BESIDE_TYPES) quick-tests
 
 test-all: setup ## the same, and the tests that take long; nineteen cases of make accuracy among them
 	@$(STYLE)
-	@$(BESIDE_TYPES) all-tests
+	+@$(BESIDE_TYPES) all-tests
 
 check-types:
 	@$(RUN) -m mypy

@@ -30,13 +30,13 @@ SHARED = ROOT.parent / "shared"
 def pytest_collection_modifyitems(items):
     """Put the files with slow tests first: begun last, one process would wait for the other.
 
-    Of those that play recordings in real time, all of which are in nodes/, two seldom share the machine: they stand at
-    equal distances between the others. Within a file, and of the quick ones, the order stays.
+    Those in nodes/, most of which play recordings in real time, stand at equal distances between the others: two of
+    them seldom share the machine. Within a file, and of the quick ones, the order stays.
     """
     slow = dict.fromkeys(item.path for item in items if item.get_closest_marker("slow"))
     place = dict.fromkeys((item.path for item in items), 1.0)
-    for in_real_time in (True, False):
-        files = [path for path in slow if (path.parent.name == "nodes") == in_real_time]
+    for of_nodes in (True, False):
+        files = [path for path in slow if (path.parent.name == "nodes") == of_nodes]
         place |= {path: k / len(files) for k, path in enumerate(files)}
     items.sort(key=lambda item: place[item.path])
 

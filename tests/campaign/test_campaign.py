@@ -1,17 +1,20 @@
 """What a campaign judges: each recording of each unit once, as the command judges it."""
 
 import errno
+import importlib
 import os
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 import pytest
+import typer
 
 from ema_bench_replay.bags.bag_writer import write_bag
 from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
-from ema_twin_sim.campaign import work
+from ema_twin_sim.campaign import engine, work
 from ema_twin_sim.campaign.engine import Outcome
 from ema_twin_sim.campaign.jobs import Grouping, Job, Task, find_jobs
 from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED
@@ -205,6 +208,17 @@ def test_a_disk_that_fails_is_no_internal_error(folder, monkeypatch):
     job = find_jobs(Grouping.of(folder, None, "recording"), COMPARE)[0]
     (row,) = judged(job, COMPARE)
     assert row["status"] == FAILED and row["message"].startswith(f"{folder}/{job.name}: Input/output error; run")
+
+
+def test_a_campaign_of_which_everything_failed_did_not_do_what_was_asked(folder, tmp_path, monkeypatch):
+    def all_failed(client, jobs, task, store):
+        return (Outcome(job, FAILED, "internal error", 0.1, ()) for job in jobs)
+
+    monkeypatch.setattr(importlib.import_module("ema_twin_sim.campaign.campaign"), "campaign", all_failed)
+    monkeypatch.setattr(engine, "cluster", lambda scheduler, workers: nullcontext())
+    with pytest.raises(typer.Exit) as ended:
+        command.run(folder, tmp_path / "r", model="polito_bench", do="compare")
+    assert ended.value.exit_code == 1
 
 
 def test_of_many_damaged_recordings_a_few_are_named_and_the_others_counted(monkeypatch, tmp_path, capsys):

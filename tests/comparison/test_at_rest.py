@@ -56,5 +56,7 @@ def held(level, inertia=1e-3):
 @pytest.mark.parametrize(("level", "told"), [(0.25, True), (0.09, False)])
 def test_compare_says_that_a_machine_at_rest_holds_more_than_its_model(level, told):
     model = open_motor(1.0, 1e-3, 5e-3, coulomb=0.1, viscous=1e-4).with_value("machine.motor_inertia", 1e-3)
-    said = at_rest_sentence(compare([held(level)], model, "current"))
+    comparison = compare([held(level)], model, "current")
+    said = at_rest_sentence(comparison)
+    assert ("at_rest" in comparison.as_json()) == told
     assert ("where the machine stands still" in said and "larger at rest than in motion" in said) == told

@@ -42,9 +42,9 @@ def test_what_the_last_step_leaves_is_told_beside_the_noise():
         unit="N m",
     )
     assert left_sentence(unseen).endswith("error of the unexplained torque is still 33 times the sensors' noise.")
-    for settled, told in ((4.0, "but only 4.0 times in motion"), (1.2, "but within it in motion")):
+    for settled, told in ((4.0, "in motion it is 4.0 times the noise"), (1.2, "in motion it is within the noise")):
         mostly_at_rest = SimpleNamespace(**{**vars(unseen), "settled": (3.0, settled * FLOOR)})
-        assert f"still 33 times the sensors' noise, {told}: at standstill," in left_sentence(mostly_at_rest)
+        assert f"still 33 times the sensors' noise; {told}. At standstill," in left_sentence(mostly_at_rest)
     for quiet in ({"rmse": (3.0, 1.2 * FLOOR)}, {"noise_floor": 0.0}):
         assert left_sentence(SimpleNamespace(**{**vars(unseen), **quiet})) == ""
 

@@ -166,6 +166,8 @@ def run(
     _tell(counts, output)
     if counts["refused"] and counts["refused"] == counts.total():
         raise typer.Exit(2)  # nothing was judged, as with any command whose input is refused
+    if counts["failed"] and not counts["done"]:
+        raise typer.Exit(1)
 
 
 def _once() -> Callable[[str], None]:

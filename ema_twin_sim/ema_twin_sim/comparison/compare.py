@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -80,7 +80,7 @@ class Comparison:
     """A model compared with recordings; ``overall`` pools all samples, ``where`` is what the errors depend on.
 
     ``misread`` are the warnings that put every number in doubt, such as a wrong unit: to be told before the errors.
-    ``at_rest`` has the signals whose errors are mostly at standstill.
+    ``at_rest`` says how much of the unexplained torque is at standstill, if that is most of it.
     """
 
     model: str
@@ -93,10 +93,14 @@ class Comparison:
     motion: str = "rotary"
     misread: tuple[str, ...] = ()
     shift: SetpointShift | None = None
-    at_rest: Mapping[str, AtRest] = field(default_factory=dict)
+    at_rest: AtRest | None = None
 
     def as_json(self) -> dict[str, object]:
-        """For ``compare --json``; ``setpoint_shift`` [s] if the machine follows its setpoint earlier than the twin."""
+        """For ``compare --json``.
+
+        ``at_rest`` if most of the unexplained torque is at standstill, ``setpoint_shift`` [s] if the machine follows
+        its setpoint earlier than the twin.
+        """
         found: dict[str, object] = {
             "model": self.model,
             "input": self.input,
@@ -105,6 +109,8 @@ class Comparison:
             "where": [dependence.as_json() for dependence in self.where],
             "warnings": list(self.warnings),
         }
+        if self.at_rest is not None:
+            found["at_rest"] = asdict(self.at_rest)
         return found if self.shift is None else {**found, "setpoint_shift": self.shift.seconds}
 
 
@@ -167,7 +173,7 @@ def compare(
         if parts
         for dependence in _dependences(model, name, parts, torques.get(name), slow)
     ]
-    still = {name: found for name, parts in stretches.items() if (found := at_rest(parts, slow)) is not None}
+    still = at_rest(stretches.get("unexplained_torque", ()), slow)
     misread = (*_inconsistent(given, asked), *unusual_currents(given, asked))
     return Comparison(
         model.name,

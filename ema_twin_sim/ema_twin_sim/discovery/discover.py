@@ -202,7 +202,7 @@ def discover(
         known, depends_on = False, ()  # what is left is too fast for the rows to tell on what it depends
     turned = torque_sign_reversed(found.problem, found.fit)  # then nothing that fits is a load of this machine
     known = known and not turned
-    stands = unseen.betters and not turned
+    stands = (unseen.betters or (model.is_open and unseen.clearly_less(0, -1))) and not turned
     if not known and found.fit.hypothesis.added and not stands and not model.is_open:
         progress("judging with the constants of the model file")
         held = beside_constants_as_filed(found)

@@ -50,7 +50,7 @@ def idle_effects(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]
         if parting and (little or another):
             return parting, True
         there = unseen.removed(first, ended)
-        nothing = there is not None and there <= 0.0 and not unseen.clearly_less(first, ended)
+        nothing = there is not None and there <= 0.0 and not (real and unseen.clearly_less(first, ended))
         if of_torque and nothing:
             return tuple(came), False
         if bending and nothing:

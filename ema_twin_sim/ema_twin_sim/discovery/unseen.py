@@ -29,6 +29,8 @@ from ..simulation.longest_step import coarse_step
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
 from .search.trace import Search
 
+_MOVING, _SETTLED = -2, -1  # columns of the errors of the main signal in parts of the recordings
+
 
 @dataclass(frozen=True)
 class Unseen:
@@ -45,7 +47,7 @@ class Unseen:
     ``moving`` is the RMSE that decides. It leaves out standstill if the current drives the twin: rigid friction at rest
     balances any torque below its level, so that whatever describes standstill better would only seem worse there.
     ``settled`` leaves out also what the filters of the unexplained torque carry on from standstill, and with it much of
-    the slow motion: what is clearly less there is less.
+    the slow motion: a clear fall there counts as an improvement.
     """
 
     signal: str
@@ -80,7 +82,7 @@ class Unseen:
         Closer in the main signal or in the encoder difference; or clearly closer in the output position without being
         farther in the main signal.
         """
-        if self.moving[-1] < self._decided(0) or self.clearly_less(0, -1):
+        if self.moving[-1] < self._decided(0):
             return True
         if self.encoders:
             return self.output[-1] < self._decided_output(0)
@@ -91,8 +93,7 @@ class Unseen:
     @property
     def worsens(self) -> bool:
         """Whether the end is clearly farther from the recordings than the start."""
-        farther = self.moving[-1] > CLEARLY_MORE * max(self._decided(0), self.noise_floor)
-        return farther and not self.clearly_less(0, -1)
+        return self.moving[-1] > CLEARLY_MORE * max(self._decided(0), self.noise_floor)
 
     def clearly_less(self, before: int, after: int) -> bool:
         """Whether the settled error of a round is clearly less than that of another one."""
@@ -290,7 +291,7 @@ class Judge:
             left = [first, *(self._by_others(problem, f)[1] for f in fitted), *last]
             of_output = [parting(problem, residual) for residual in left]
         start = int(base.is_open)
-        judged_from = float(pooled[start, -2]), of_output[start] if of_output else None
+        judged_from = float(pooled[start, _MOVING]), of_output[start] if of_output else None
         if as_given or not pooled[1, 0] < pooled[0, 0]:  # fitting open constants while an effect is missing may mislead
             pooled[1], each[1] = pooled[0], each[0]
             of_output[1:2] = of_output[:1]
@@ -305,8 +306,8 @@ class Judge:
             float(pooled[0, 0]),
             tuple(float(value) for value in each[0]),
             of_output[0] if of_output else None,
-            tuple(float(value) for value in pooled[1:, -2]),
-            tuple(float(value) for value in pooled[1:, -1]),
+            tuple(float(value) for value in pooled[1:, _MOVING]),
+            tuple(float(value) for value in pooled[1:, _SETTLED]),
             *judged_from,
         )
         if signal == "current" and by_torque(recordings):

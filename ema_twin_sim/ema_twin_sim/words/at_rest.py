@@ -15,7 +15,7 @@ _TORQUE = "unexplained_torque"
 
 def at_rest_sentence(comparison: Comparison) -> str:
     """The sentence; empty if that torque is within the noise, or not mostly at standstill."""
-    found = comparison.at_rest.get(_TORQUE)
+    found = comparison.at_rest
     if found is None or _TORQUE not in beyond_noise(comparison.input, comparison.overall):
         return ""
     error = comparison.overall[_TORQUE]
@@ -23,8 +23,8 @@ def at_rest_sentence(comparison: Comparison) -> str:
         quantity(times * error["rmse"], error["unit"]) for times in (found.rest_over_all, found.motion_over_all)
     )
     return (
-        f"{100.0 * found.of_squares:.0f} % of the squared error of the unexplained torque are where the machine stands "
-        f"still ({100.0 * found.of_samples:.2g} % of the samples): RMSE {rest} there, {motion} in motion. There the "
+        f"{100.0 * found.of_squares:.0f} % of the squared error of the unexplained torque is where the machine stands "
+        f"still ({100.0 * found.of_samples:.3g} % of the samples): RMSE {rest} there, {motion} in motion. There the "
         "machine holds torques at which the model would move: its friction is larger at rest than in motion, or the "
         "model lacks a load"
     )

@@ -32,7 +32,7 @@ def decisive_sentence(comparison: Comparison, start: float = 0.0) -> str:
             samples, power = 100.0 * of[name].of_samples, 100.0 * of[name].of_squares
             others = f" (likewise in {len(of) - 1} more)" if len(of) > 1 else ""
             return (
-                f"{name}: {_span(of[name], start)} ({samples:.2g} % of its samples) hold {power:.0f} % of the squared "
+                f"{name}: {_span(of[name], start)} ({samples:.3g} % of its samples) hold {power:.0f} % of the squared "
                 f"error of the {signal.replace('_', ' ')}{others}, so its RMSE says little about the rest. "
                 f"{_remedy(comparison, of, start)}"
             )

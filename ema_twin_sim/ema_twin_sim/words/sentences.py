@@ -101,8 +101,9 @@ def left_sentence(unseen: Unseen | UnseenErrors) -> str:
     left = f"After the last step {error} is still {times_words(unseen.rmse[-1] / floor)} the sensors' noise"
     if not unseen.settled or unseen.settled[-1] ** 2 > (1.0 - MOSTLY) * unseen.rmse[-1] ** 2:
         return f"{left}."
-    moving = "within it" if unseen.settled[-1] <= NOISY * floor else f"only {times_words(unseen.settled[-1] / floor)}"
-    return f"{left}, but {moving} in motion: at standstill, friction holds any torque below its level."
+    within = unseen.settled[-1] <= NOISY * floor
+    moving = "within the noise" if within else f"{times_words(unseen.settled[-1] / floor)} the noise"
+    return f"{left}; in motion it is {moving}. At standstill, friction holds any torque below its level."
 
 
 def surest_sentence() -> str:
