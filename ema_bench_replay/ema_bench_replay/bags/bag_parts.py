@@ -14,6 +14,7 @@ from mcap.stream_reader import StreamReader
 from ema_bench_replay.bags.mcap_file import MAGIC
 from ema_bench_replay.checked_yaml import read_yaml
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording_file import open_recording
 
 PART_NAME = "ema_twin_part"
 """Name of the MCAP metadata record that names a file's recording and its part number, from 0."""
@@ -68,10 +69,10 @@ def _in_order(files: Sequence[tuple[int, Path]]) -> tuple[Path, ...]:
 
 def _has_end(file: Path) -> bool:
     try:
-        with file.open("rb") as stream:
+        with open_recording(file) as stream:
             stream.seek(-len(MAGIC), 2)
             return stream.read() == MAGIC
-    except OSError:
+    except (OSError, InputError):
         return False
 
 
@@ -87,7 +88,7 @@ def name_of(parts: Sequence[Path]) -> str:
 
 def _own_words(file: Path) -> tuple[Hashable, int] | None:
     try:
-        with file.open("rb") as stream:
+        with open_recording(file) as stream:
             head = BytesIO(stream.read(_HEAD))
         for record in StreamReader(head, emit_chunks=True).records:
             if isinstance(record, Metadata) and record.name == PART_NAME:

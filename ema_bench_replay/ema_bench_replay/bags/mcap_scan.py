@@ -24,6 +24,7 @@ from mcap.stream_reader import StreamReader
 
 from ema_bench_replay.bags.mcap_file import MAGIC
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording_file import open_recording
 
 _PLAIN_BLOCK = 4 << 20
 _LARGEST_CHUNK = 256 << 20  # bytes, decompressed; writers make chunks of some MiB
@@ -97,7 +98,7 @@ class McapScan:
 
     def _open(self) -> BinaryIO:
         try:
-            return self.path.open("rb")
+            return open_recording(self.path)
         except OSError as error:
             raise InputError(f"{self.path}: cannot be read ({error.strerror}); check its permissions") from None
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError, MissingNumberError
 from ema_bench_replay.long_columns import Column, less_rows
+from ema_bench_replay.recording_file import open_recording
 from ema_bench_replay.traces.blank_columns import rows_with_tabs, with_tabs
 from ema_bench_replay.traces.header_lines import HeaderLines, NoHeader, header_lines
 from ema_bench_replay.traces.keyed_trace import refuse_keyed_trace
@@ -114,7 +115,7 @@ def _read(
     try:
         if (size := path.stat().st_size) > LARGEST:
             raise InputError(f"{path}: larger than {LARGEST >> 30} GiB; split it, or trace fewer signals")
-        with path.open("rb") as file:
+        with open_recording(path) as file:
             sha256 = _sha256(file)
             newline = line_end(file.read(_BYTES_FOR_NEWLINE).replace(b"\0", b""))
             file.seek(0)

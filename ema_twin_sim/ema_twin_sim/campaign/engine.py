@@ -8,17 +8,20 @@ to the store; the campaign receives only the outcomes, and may end at any moment
 from __future__ import annotations
 
 import logging
+import queue
 import signal
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from itertools import islice
 from multiprocessing import resource_tracker
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ema_bench_replay.errors import InputError
 
+from .lost_workers import LOOK, PATIENCE, LostWorkers
+
 if TYPE_CHECKING:
-    from distributed import Client, Future
+    from distributed import Client, Future, LocalCluster
 
     from .jobs import Job
 
@@ -43,6 +46,7 @@ SPARING = {
 """Settings that switch off or slow down the self-monitoring of each process, made for pages that nobody opens. It would
 take 2.6 % of a core per worker and 1.1 % for the scheduler; with these settings it takes 0.5 % and 0.3 %."""
 _CONNECTING = 5.0  # s, time limit of a connection to a worker that may have died, or to a scheduler
+_ENDING = 30.0  # s, time limit for ending the workers of this machine
 _LISTENING = "127.0.0.1"
 
 
@@ -65,16 +69,17 @@ def cluster(scheduler: str | None, workers: int) -> Iterator[Client]:
     """Yield a client of the ``scheduler`` at this address or, without one, of a local cluster of ``workers`` processes.
 
     A local cluster listens on this machine only, and to this campaign only: traffic is encrypted (TLS) with keys that
-    last as long as the cluster. Raises InputError if no scheduler answers.
+    last as long as the cluster. Raises InputError if no scheduler answers, or the workers do not start.
     """
     import dask
-    from distributed import Client, LocalCluster
-    from distributed.security import Security
+    from distributed import Client
 
     settings = {
         **SPARING,
         "distributed.scheduler.allowed-failures": DEATHS,
         "distributed.comm.timeouts.connect": _CONNECTING,
+        # dask gives a worker up for good if it is not back by then; on a busy machine its start takes 15 s and more
+        "distributed.deploy.lost-worker-timeout": f"{PATIENCE} s",
         "distributed.scheduler.http.routes": [],  # no web pages: they would be open to everybody on this machine
         "distributed.worker.http.routes": [],
         "logging": {"distributed": "critical", "asyncio": "critical", "tornado": "critical"},
@@ -92,6 +97,17 @@ def cluster(scheduler: str | None, workers: int) -> Iterator[Client]:
             with client:
                 yield client
             return
+        with _local(workers) as local, Client(local) as client:
+            yield client
+
+
+@contextmanager
+def _local(workers: int) -> Iterator[LocalCluster]:
+    """Yield a cluster of this machine; end it even if one of its processes does not end."""
+    from distributed import LocalCluster
+    from distributed.security import Security
+
+    try:
         with _interrupts_for_this_process_alone():
             local = LocalCluster(
                 n_workers=workers,
@@ -103,8 +119,20 @@ def cluster(scheduler: str | None, workers: int) -> Iterator[Client]:
                 security=Security.temporary(),
                 protocol="tls",
             )
-        with local, Client(local) as client:
-            yield client
+    except RuntimeError as error:
+        reason: BaseException = error
+        while reason.__cause__ is not None:  # "failed to start" alone says nothing
+            reason = reason.__cause__
+        raise InputError(
+            f"--workers {workers}: the worker processes do not start ({' '.join(str(reason).split())}); free memory, "
+            "or give fewer --workers"
+        ) from None
+    try:
+        yield local
+    finally:
+        with suppress(TimeoutError):  # what is left of it ends with this process
+            local.close(timeout=_ENDING)
+            local.__exit__(None, None, None)  # it is closed, and ends its thread
 
 
 @contextmanager
@@ -125,15 +153,15 @@ def run(client: Client, jobs: Iterable[Job], work: Work, lost: Callable[[Job, st
     """Yield the outcomes of all jobs as they finish.
 
     A job is given up if workers die on it even when it runs alone: ``lost`` writes what is known of it. Raises
-    InputError if the scheduler is lost; finished results are in the store then.
+    InputError if the scheduler is lost, or all workers are and none comes; finished results are in the store then.
     """
-    from distributed import as_completed
     from distributed.scheduler import KilledWorker
 
     waiting = iter(jobs)
     doubted: list[Job] = []  # of batches on which workers died
     held: dict[Future[Any], list[Job]] = {}
-    done = as_completed(loop=client.loop)
+    done: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
+    lost_workers = LostWorkers(client)
     seconds: float | None = None  # per job: a running mean that favours the last batches
 
     def feed() -> None:
@@ -148,13 +176,13 @@ def run(client: Client, jobs: Iterable[Job], work: Work, lost: Callable[[Job, st
     def give(batch: list[Job]) -> None:
         future = client.submit(work, batch, pure=False)
         held[future] = batch
-        done.add(future)
+        future.add_done_callback(done.put)
 
     with _scheduler_lost():
         feed()
     while held:
         was_alone = len(held) == 1 and len(next(iter(held.values()))) == 1
-        future = next(done)
+        future = _next(done, lost_workers)
         batch = held.pop(future)
         try:
             with _scheduler_lost():
@@ -173,6 +201,14 @@ def run(client: Client, jobs: Iterable[Job], work: Work, lost: Callable[[Job, st
         yield from outcomes
         with _scheduler_lost():
             feed()
+
+
+def _next(done: queue.SimpleQueue[Future[Any]], lost_workers: LostWorkers) -> Future[Any]:
+    """The next batch that is done. Raises InputError if there is no worker to do any."""
+    while True:
+        lost_workers.look()
+        with suppress(queue.Empty):
+            return done.get(timeout=LOOK)
 
 
 @contextmanager
