@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..criteria import SMALL
 from ..effects import Trait, catalogue
 from ..model.own_units import is_linear
@@ -35,20 +37,25 @@ def without_slight_laws(found: Search, unseen: Unseen, judge: Judge, torque: flo
         fewer = less(found, (name,), REASON if shows_over(found, name) == "speed" else ALONG)
         beside = judge(fewer)
         only_less = fewer.fit.hypothesis.added.keys() < found.fit.hypothesis.added.keys()  # no beaten rival came back
-        if only_less and beside.moving[-1] ** 2 - unseen.moving[-1] ** 2 < least:
+        grown = (beside.moving[-1] ** 2 - unseen.moving[-1] ** 2, beside.settled[-1] ** 2 - unseen.settled[-1] ** 2)
+        if only_less and max(grown) < least:
             found, unseen = fewer, beside
         else:
             needed.add(name)
 
 
 def _removed(found: Search, unseen: Unseen) -> dict[str, float]:
-    """By effect that may be slight: the power [N² m²] of the error that its round removed."""
+    """By effect that may be slight: the power [N² m²] of the error that its round removed, in motion.
+
+    With or without what filters carry on from standstill, whichever shows more: it may hide the effect.
+    """
     added = found.fit.hypothesis.added
     doubtful = {"speed", "order"} if is_linear(found.fit.hypothesis.base) else {"speed"}
-    errors = (unseen.judged_from, *unseen.moving[1:])
+    moving = np.diff(np.square((unseen.judged_from, *unseen.moving[1:])))
+    settled = np.diff(np.square(unseen.settled))
     return {
-        name: before**2 - after**2
-        for turn, before, after in zip(found.taken, errors, errors[1:], strict=False)
+        name: float(gone)
+        for turn, gone in zip(found.taken, np.maximum(-moving, -settled), strict=False)
         for name in new_names(turn.before, turn.after)
         if name in added
         and shows_over(found, name) in doubtful
