@@ -35,6 +35,14 @@ def test_rows_of_two_motors_are_refused(names, same_time, drafted, tmp_path):
         drafted(trace)
 
 
+def test_rows_in_turn_are_refused_in_any_trace_that_is_given(drafted):
+    """Only the first trace was looked at."""
+    both = turns([1, 2], same_time=False)
+    one = {name: column[::2] for name, column in both.items()}
+    with pytest.raises(InputError, match=r"run1\.csv: column 'motor' tells 2 parts apart"):
+        drafted(one, both)
+
+
 LEFT_OR_RIGHT = r"column 'motor' tells 2 parts apart \(left, right\)"
 
 
