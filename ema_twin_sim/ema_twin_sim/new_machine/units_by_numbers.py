@@ -198,7 +198,7 @@ def _unusual(position: Guess, one: float, speed: Guess) -> Guess:
 def _ways(position: np.ndarray, speed: np.ndarray, time: np.ndarray) -> float | None:
     """Distance in the position's unit per unit of distance by the speed; None if the position does not follow it.
 
-    A pause is longer than the parts that are compared usually last: what tells one elsewhere is in seconds, and here the
+    A pause is longer than the parts that are compared usually last: elsewhere so many seconds tell one, and here the
     time may have no unit yet.
     """
     travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))])
