@@ -3,7 +3,7 @@
 from docs.figures.imports import NODES, PACKAGE, arrows, exists, files, imports, place
 
 ROOMS = (
-    *("criteria", "version", "parallel", "listing", "quantities", "reading_noise", "interrupts"),
+    *("criteria", "version", "parallel", "listing", "text_traces", "quantities", "reading_noise", "interrupts"),
     *("plant", "effects", "model", "own_effects", "simulation", "measured", "identification", "comparison", "fitting"),
     *("discovery/criteria", "discovery/search", "discovery/experiment", "discovery"),
     *("health", "campaign", "new_machine", "words", "live", "nodes", "report", "views", "commands", "entry"),

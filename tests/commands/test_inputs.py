@@ -38,9 +38,20 @@ def test_the_same_warning_of_several_recordings_is_told_once(tmp_path, capsys):
 
 def test_a_folder_of_text_traces_stands_for_those_in_csv_or_else_for_the_others(tmp_path):
     others, _ = written(tmp_path, "a.txt", "b.dat")
-    assert find_recordings(tmp_path) == others
+    told = []
+    assert find_recordings(tmp_path, told.append) == others
+    assert told == [f"{tmp_path}: holds no .csv or .mcap file; reading its 2 .dat and .txt files instead"]
     traces, _ = written(tmp_path, "c.CSV", "d.csv")
     assert find_recordings(tmp_path) == traces
+
+
+def test_notes_beside_a_bag_of_another_kind_are_no_recording(tmp_path):
+    """A folder of an SQLite bag with a README.txt in it was refused for the README, which has no time column."""
+    for name in ("metadata.yaml", "a_0.db3", "README.txt"):
+        (tmp_path / name).write_text("how this was recorded\n")
+    assert find_recordings(tmp_path) == [tmp_path]
+    with pytest.raises(InputError, match=r"a_0\.db3 is no plain MCAP; convert it: pip install rosbags"):
+        load_runs([tmp_path])
 
 
 def test_a_strict_reader_refuses_the_first(tmp_path):

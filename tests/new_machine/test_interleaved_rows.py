@@ -35,6 +35,40 @@ def test_rows_of_two_motors_are_refused(names, same_time, drafted, tmp_path):
         drafted(trace)
 
 
+def test_rows_in_turn_are_refused_in_any_trace_that_is_given(drafted):
+    """Only the first trace was looked at."""
+    both = turns([1, 2], same_time=False)
+    one = {name: column[::2] for name, column in both.items()}
+    with pytest.raises(InputError, match=r"run1\.csv: column 'motor' tells 2 parts apart"):
+        drafted(one, both)
+
+
+LEFT_OR_RIGHT = r"column 'motor' tells 2 parts apart \(left, right\)"
+
+
+@pytest.mark.parametrize(("encoding", "mark"), [("utf-16", ","), ("cp1252", ";"), ("utf-8", "\t"), ("utf-8", "   ")])
+def test_names_of_motors_are_read_as_the_trace_is(encoding, mark, drafted, tmp_path):
+    """In UTF-16 the motors were called x00l and so on, and between blanks nobody saw their names."""
+    trace = tmp_path / "both.txt"
+    columns = turns(["left", "right"], same_time=True)
+    rows = zip(*columns.values(), strict=True)
+    text = "\n".join([mark.join(columns), *(mark.join(map(str, row)) for row in rows)]) + "\n"
+    trace.write_text(text, encoding=encoding)
+    with pytest.raises(InputError, match=LEFT_OR_RIGHT):
+        drafted(trace)
+
+
+@pytest.mark.parametrize("comment", ['"hit', '5" pipe', "x" * 140_000, '"two\nlines"'])
+def test_a_comment_hides_no_names(comment, drafted, tmp_path):
+    """A long cell ended init with an internal error, and a stray quotation mark hid all rows below it."""
+    trace = tmp_path / "both.csv"
+    columns = {**turns(["left", "right"], same_time=True), "comment": [*["ok"] * 5, comment, *["ok"] * 1594]}
+    rows = zip(*columns.values(), strict=True)
+    trace.write_text("\n".join([",".join(columns), *(",".join(map(str, row)) for row in rows)]) + "\n")
+    with pytest.raises(InputError, match=LEFT_OR_RIGHT):
+        drafted(trace)
+
+
 def test_a_column_that_alternates_beside_one_motion_tells_nothing_apart(drafted, tmp_path):
     angle = np.round(np.sin(2.0 * TIME), 5)
     columns = {"time [s]": TIME, "tick": np.arange(len(TIME)) % 4, "position [rad]": angle}

@@ -218,9 +218,11 @@ def test_a_capital_letter_beside_units_is_a_unit():
     [
         ("time_s", "torque_Nm", "position_A", "speed_A"),  # an axis A
         ("time_s", "torque_Nm", "current_A", "speed_A"),
+        ("time_s", "torque_Nm", "speed_A"),
+        ("time_s", "torque_Nm", "speed_rpm", "position_A"),
         ("time", "torque", "speed_A"),  # no unit tells how this header is written
         ("time_s", "torque_Nm", "speed_v"),
     ],
 )
 def test_a_letter_of_a_part_or_a_small_one_is_no_unit(header):
-    assert signals(*header)[header[-1]] == "speed"
+    assert signals(*header)[header[-1]] == ("motor_position" if header[-1].startswith("position") else "speed")

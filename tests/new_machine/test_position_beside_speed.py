@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.recording import Recording
+from ema_twin_sim.measured.way_by_speed import without_long_steps
 from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.position_beside_speed import (
     going_with_speed,
@@ -193,17 +194,24 @@ def test_a_factor_between_both_is_told_of_a_shaft_and_of_a_carriage(unit, per_se
     assert "times as much as the integral" not in right.map
 
 
-def test_turns_lost_in_pauses_are_no_gear():
-    """A controller records each speed for 2 s and then waits 1 s; its angle starts again after each turn."""
+@pytest.mark.parametrize("missing", [[], [400, 800, 1200], [399, 799, 1199], [400, 401, 799, 800, 801]])
+def test_turns_lost_in_pauses_are_no_gear(missing):
+    """A controller records each speed for 2 s and then waits 1 s; its angle starts again after each turn.
+
+    Single values beside the pauses may be missing.
+    """
     time = np.concatenate([3.0 * k + np.arange(0.0, 2.0, 5e-3) for k in range(8)])
     speed = np.repeat([14.0, 14.0, 14.0, 9.0, 5.0, -5.0, -9.0, -14.0], 400) + 0.05 * np.resize(NOISE, len(time))
     went = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))])
     counted = np.unwrap(np.mod(went, 2.0 * np.pi))
+    assert np.abs(counted - went).max() > 2.0 * np.pi
+    counted[missing] = np.nan
+    (left,) = without_long_steps(time, 0.5, counted)
+    assert np.nanmax(np.abs(np.diff(left[np.isfinite(left)]))) < 0.5
     stamps = np.rint(time * 1e9).astype(np.int64)
     recording = Recording("r", stamps, {"speed": speed, "motor_position": counted})
     assert position_shaft(recording, None, units_known=True) == Shaft()
     assert share_beside_speed([recording]) < 0.02 and unlike_speed([recording]) == ""
-    assert np.abs(counted - went).max() > 2.0 * np.pi
 
 
 def test_units_are_found_beside_pauses(drafted):

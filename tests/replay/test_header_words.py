@@ -156,6 +156,7 @@ def test_a_unit_before_the_kind_of_value_is_read(name, unit, words):
     "name",
     [
         *("acc_m_s_2", "alpha_rad_s_2", "inertia_kg_m_2", "area_mm_2"),  # powers
+        *("rpm_ratio", "rpm_dot", "delta_rpm_s_2", "rpm_rate_limited", "d_rpm_dt"),  # rates and ratios
         *("turn_ref", "count_raw", "current_A_cmd", "temp_c_filt", "erpm"),  # words, letters, electrical turns
     ],
 )

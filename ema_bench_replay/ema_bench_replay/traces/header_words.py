@@ -146,6 +146,8 @@ _WORDS_TOO = frozenset({COUNTS, "rev", "s", "ms", "us", "ns"})
 
 _TURNS_A_MINUTE = re.compile(r"(?:set|ref|cmd|act|meas)?(k?rpm)")
 """A word that is nothing but a unit, wherever it stands in a name: ``rpm_left``, ``setrpm``."""
+_OF_A_RATE = frozenset({"per", "ratio", "rate", "dot", "ddot", "dt", "s", "sec"})
+"""Words beside a unit that tell a rate or a ratio of what is measured in it: ``rpm_dot``, ``delta_rpm_s_2``."""
 
 _IN_OTHER_LETTERS = {
     "time": r"时间|時間|時刻|时刻|시간|время",
@@ -289,7 +291,7 @@ def _turns_a_minute(name: str) -> tuple[str, str] | None:
     """A name with a word that is turns per minute, and that unit; None without, or with a rate or ratio of it."""
     words = _words(name)
     found = next(filter(None, map(_TURNS_A_MINUTE.fullmatch, words)), None)
-    return None if found is None or "per" in words else (name, found[1])
+    return None if found is None or not _OF_A_RATE.isdisjoint(words) else (name, found[1])
 
 
 def _after_in(before: str, mark: str) -> str:

@@ -131,12 +131,10 @@ def _refusal(
     elif back.tolist() == [1]:
         remedy = f"only the first row is late: remove line {table.line(0)}"
     if not back.size:
-        how, remedy = (
-            "repeats",
-            (
-                f"{repeats.size} of {len(values)} rows do: export it with more decimals or, if rows of several parts "
-                "of the machine take turns, write those of each into a file of its own"
-            ),
+        how = "repeats"
+        remedy = (
+            f"{repeats.size} of {len(values)} rows do: export it with more decimals or, if rows of several parts of "
+            "the machine take turns, write those of each into a file of its own"
         )
         if (stopped := _last_run(repeats, len(values))).size >= max(2.0, _STOPPED * len(values)):
             row = int(stopped[0])

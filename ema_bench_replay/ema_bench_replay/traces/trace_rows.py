@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -86,6 +86,11 @@ class RowReader:
         self.line += text.count(b"\n")
         self.known &= np.isfinite(rows).all(axis=0)
         return rows
+
+    def texts(self, block: bytes) -> Iterator[list[str]]:
+        """The cells of each row of a block of whole lines, as they are written but for marks and blanks around them."""
+        text = self._tidy(block)
+        return (self._cells(line.decode(errors="replace")) for line in text[: _end_of_rows(text)].split(b"\n"))
 
     def _tidy(self, block: bytes) -> bytes:
         """The block without quotation marks, and without blanks around its cells."""

@@ -14,16 +14,12 @@ import numpy as np
 from ema_bench_replay.errors import InputError, MissingNumberError
 from ema_bench_replay.long_columns import Column, less_rows
 from ema_bench_replay.recording_file import open_recording
-from ema_bench_replay.traces.blank_columns import rows_with_tabs, with_tabs
-from ema_bench_replay.traces.header_lines import HeaderLines, NoHeader, header_lines
-from ema_bench_replay.traces.keyed_trace import refuse_keyed_trace
 from ema_bench_replay.traces.line_breaks import line_end
 from ema_bench_replay.traces.merged_topics import with_topics_joined
 from ema_bench_replay.traces.paired_columns import with_common_time
-from ema_bench_replay.traces.quoted_cells import with_marks_hidden
-from ema_bench_replay.traces.row_ends import rows_without_ends, without_row_ends
-from ema_bench_replay.traces.text_blocks import NotText, text_blocks
+from ema_bench_replay.traces.text_blocks import NotText
 from ema_bench_replay.traces.trace_rows import RowReader, Style
+from ema_bench_replay.traces.trace_text import trace_text
 
 #: A longer trace is refused: it would not fit into the memory of an ordinary machine.
 LARGEST = 2 << 30
@@ -119,21 +115,12 @@ def _read(
             sha256 = _sha256(file)
             newline = line_end(file.read(_BYTES_FOR_NEWLINE).replace(b"\0", b""))
             file.seek(0)
-            blocks = text_blocks(file)
-            blocks = ((with_marks_hidden(block), last) for block, last in blocks)
-            first, is_last = next(blocks)
-            refuse_keyed_trace(path, first)
-            unended = first if delimiter == ";" else without_row_ends(first)
-            if unended is not first:
-                first, blocks = unended, ((rows_without_ends(block), last) for block, last in blocks)
-            tabbed = with_tabs(first) if delimiter is None else first
-            if tabbed is not first:
-                first, blocks = tabbed, ((rows_with_tabs(block), last) for block, last in blocks)
-            header = _header(path, first)
-            body = first[header.end :]
+            text = trace_text(path, file, delimiter)
+            body, is_last = next(text.blocks)
+            header = text.header
             rows = RowReader(path, header.text, header.line, body, delimiter, number_format, needed)
             growing = [Column(np.float64) for _ in rows.header]
-            for block, last in chain([(body, is_last)], blocks):
+            for block, last in chain([(body, is_last)], text.blocks):
                 for column, values in zip(growing, rows.read(block, last).T, strict=True):
                     column.add(values)
                 progress(file.tell() / size)
@@ -169,20 +156,3 @@ def _sha256(file: BinaryIO) -> str:
         digest.update(block)
     file.seek(0)
     return digest.hexdigest()
-
-
-def _header(path: Path, block: bytes) -> HeaderLines:
-    """The header of a text that begins with this block. Raises InputError if it has none."""
-    try:
-        found = header_lines(block)
-    except NoHeader as missing:
-        names = missing.delimiter.join(("time [s]", "motor position [rad]", "motor speed [rad/s]", "current [A]"))
-        lacked = f"{missing.cells} cells, and no line above them names as many columns"
-        if missing.cells == 1:
-            lacked = "the first line is numbers: no names of columns"
-        raise InputError(
-            f"{path}: line {missing.line}: {lacked}; put one there with a name and a unit for each, as in '{names}'"
-        ) from None
-    if found is None:
-        raise InputError(f"{path}: {'has no header line' if block else 'is empty'}; export the trace again")
-    return found

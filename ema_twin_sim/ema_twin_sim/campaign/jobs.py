@@ -14,10 +14,10 @@ from typing import NamedTuple
 
 from ema_bench_replay.bags.bag_parts import recordings_in
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.load import OTHER_TRACES, TRACES
+from ema_bench_replay.load import TRACES
 
-from ..listing import listed, number_of
 from ..model.model_file import model_files
+from ..text_traces import without_notes
 
 HEALTH = "health"
 """Verb that computes features of each recording, by which a unit is judged against its healthy ones; needs no model."""
@@ -157,22 +157,9 @@ def _found(folder: Path, skipped: Sequence[Path], tell: Callable[[str], None]) -
 
     Raises InputError if it holds none.
     """
-    found: list[tuple[Path, ...]] = []
-    others: list[tuple[Path, ...]] = []
-    for parts in find_recordings(folder, skipped):
-        is_other = parts[0].suffix.lower() in OTHER_TRACES and parts[0].is_file()
-        (others if is_other else found).append(parts)
-    if not found and not others:
-        raise InputError(f"{folder}: holds no recording; give a folder with CSVs or .mcap files in it")
-    kinds = listed(sorted({parts[0].suffix.lower() for parts in others})) if others else ""
+    found = without_notes(folder, [*find_recordings(folder, skipped)], tell)
     if not found:
-        tell(f"{folder}: holds no .csv or .mcap file; reading its {number_of(len(others), f'{kinds} file')} instead")
-        return others
-    if len(others) > len(found):
-        tell(
-            f"{folder}: leaving out its {number_of(len(others), f'{kinds} file')} beside "
-            f"{number_of(len(found), 'recording')} in .csv or .mcap files; rename those that are recordings to .csv"
-        )
+        raise InputError(f"{folder}: holds no recording; give a folder with CSVs or .mcap files in it")
     return found
 
 

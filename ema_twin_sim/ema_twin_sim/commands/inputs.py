@@ -12,13 +12,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ema_bench_replay.bags.bag_parts import bag_parts, recordings_in
+from ema_bench_replay.bags.bag_parts import bag_parts, how_to_convert, recordings_in
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.load import OTHER_TRACES, TRACES, load
+from ema_bench_replay.load import TRACES, load
 from ema_bench_replay.outputs import write_text
 from ema_bench_replay.recording import Recording
 
 from ..listing import by_recording, number_of
+from ..text_traces import without_notes
 from .output import counted, warn
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ def load_runs(
     """
     if start is not None and end is not None and start > end:
         raise InputError(f"--from {start:g} is after --to {end:g}; give the earlier time first")
-    found = _together(_each_once([file for path in paths for file in find_recordings(path)]))
+    found = _together(_each_once([file for path in paths for file in find_recordings(path, warn)]))
     files = [parts[0] for parts in found]
     recordings = []
     with warned_or_refused(strict=strict) as warnings_of:
@@ -100,11 +101,12 @@ def _told_apart(names: Sequence[str], files: Sequence[Path]) -> list[str]:
     ]
 
 
-def find_recordings(path: Path) -> list[Path]:
+def find_recordings(path: Path, tell: Callable[[str], None] = lambda text: None) -> list[Path]:
     """The recordings that a path names: the path itself or, for a folder of recording folders, each of these.
 
     A folder of several .mcap files that are not parts of one recording stands for its files, as does a folder of text
-    traces without any bag; those of other names than .csv only if it holds none of these.
+    traces without any bag; those of other names than .csv only if it holds none of these, which ``tell`` is called
+    with, and no bag of a kind that cannot be read, whose reader says how to convert it.
     """
     if not path.is_dir():
         return [path]
@@ -112,9 +114,11 @@ def find_recordings(path: Path) -> list[Path]:
     if found:
         return [path] if len(found) == 1 else [file for parts in found for file in parts]
     inside = sorted(folder for folder in path.iterdir() if folder.is_dir() and any(folder.glob("*.mcap")))
-    texts = sorted(file for file in path.iterdir() if file.suffix.lower() in TRACES and file.is_file())
-    traces = [file for file in texts if file.suffix.lower() not in OTHER_TRACES]
-    return inside or traces or texts or [path]
+    if inside:
+        return inside
+    named = TRACES if not how_to_convert(path) else (".csv",)
+    texts = sorted(file for file in path.iterdir() if file.suffix.lower() in named and file.is_file())
+    return [file for (file,) in without_notes(path, [(file,) for file in texts], tell)] or [path]
 
 
 def _together(files: Sequence[Path]) -> list[tuple[Path, ...]]:

@@ -16,6 +16,7 @@ from ema_bench_replay.recording import Recording
 
 from ..criteria import CORRELATION, FEWEST_ROWS, MOSTLY, NEGLIGIBLE, PART, SIGNIFICANT, SMALL, TOO_MUCH
 from ..reading_noise import polled_noise, reading_noise, smallest_step
+from .exact_factor import exact_factor
 from .smoothing import gaussian, smooth
 from .spoilt_samples import despiked
 
@@ -44,24 +45,13 @@ def times_current(recordings: Sequence[Recording]) -> float | None:
     Then no sensor measured it: the drive computed it from the current, and it opposes nothing.
     """
     pairs = [
-        np.stack([r.signals["current"], r.signals["load_torque"]])
+        np.stack([r.signals["load_torque"], r.signals["current"]])
         for r in recordings
         if r.has("current") and r.has("load_torque")
     ]
     if not pairs:
         return None
     return exact_factor(*np.concatenate(pairs, axis=1))
-
-
-def exact_factor(current: np.ndarray, load: np.ndarray) -> float | None:
-    """The factor by which a load (n,) is the current (n,), to the last digits; None if it is not."""
-    known = np.isfinite(current) & np.isfinite(load)
-    current, load = current[known], load[known]
-    if len(load) < FEWEST_ROWS or np.ptp(load) == 0.0 or not current.any():  # two constants tell nothing
-        return None
-    factor = float(current @ load / (current @ current))
-    rest = load - factor * current
-    return factor if rest @ rest <= NEGLIGIBLE**4 * float(np.sum((load - load.mean()) ** 2)) else None
 
 
 def load_varies(recording: Recording) -> bool:

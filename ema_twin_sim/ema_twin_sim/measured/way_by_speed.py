@@ -37,14 +37,20 @@ def without_long_steps(time: np.ndarray, longest: float, *ways: np.ndarray) -> l
     """Motions (n,) without what they go in steps of ``time`` (n,) that are longer than the ``longest`` that counts.
 
     Nobody knows what a pause hides: the speed may change in it, and a position that starts again after each turn does
-    not tell how many turns it went.
+    not tell how many turns it went. Missing values beside a pause belong to it: what counts is what both sides know.
     """
     pauses = np.diff(time) > longest
-    if not pauses.any():
+    known = np.flatnonzero(np.isfinite(ways).all(axis=0))
+    if not pauses.any() or not len(known):
         return [*ways]
-    return [
-        way - np.concatenate([[0.0], np.cumsum(np.nan_to_num(np.where(pauses, np.diff(way), 0.0)))]) for way in ways
-    ]
+    before = np.concatenate([[0], np.cumsum(pauses)])[known]  # how many pauses come before each row that is known
+    across = np.flatnonzero(np.diff(before))
+    found = []
+    for way in ways:
+        hidden = np.zeros(len(way))
+        hidden[known[across + 1]] = way[known[across + 1]] - way[known[across]]
+        found.append(way - np.cumsum(hidden))
+    return found
 
 
 def standing_position(recording: Recording) -> float | None:

@@ -19,7 +19,7 @@ from ema_bench_replay.units import units_of
 
 from .clock_counters import clock_counters
 from .column_quantity import contradicted_quantity, has_word, word_quantity
-from .column_words import MOTOR_ITSELF, OUTPUT, SLIDES
+from .column_words import ENCODER, MOTOR_ITSELF, OUTPUT, SLIDES
 from .control_errors import control_errors
 from .joints import ONE_JOINT, Joint, JointColumn, one_joint
 from .never_changing import never_changes
@@ -317,8 +317,11 @@ def _settled(read: HeaderWords, linear: bool, names: Sequence[HeaderWords]) -> H
 def _is_written_as_a_unit(read: HeaderWords, names: Sequence[HeaderWords]) -> bool:
     """Whether a capital letter ends one name alone, beside names that end in units: ``encoder_V`` beside ``time_s``.
 
-    A letter of a part ends the names of several columns, and a subscript is small.
+    A letter of a part ends the names of several columns, and a subscript is small. Where the words tell a quantity that
+    is not the unit's, the letter is that of a part as well, as in ``speed_A``; what an encoder gives may be a voltage.
     """
+    if word_quantity(read.words) not in (None, read.quantity) and not has_word(read.words, ENCODER):
+        return False
     tails = {other.name: other.name.strip().rpartition("_")[2] for other in names if "_" in other.name}
     letter = tails.pop(read.name, "")
     beside = any(is_unit(tail) and (len(tail) > 1 or tail == "s") for tail in tails.values())

@@ -5,14 +5,13 @@ A column tells the parts apart, by a number or a name. Read as one, the motion w
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator, Mapping
-from itertools import islice
 
 import numpy as np
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.some_of import some_of
+from ema_bench_replay.traces.column_texts import column_texts
 from ema_bench_replay.traces.trace_table import TraceTable
 
 from ..criteria import MOSTLY, PART
@@ -50,7 +49,7 @@ def _keys(
         if name in used or len(values) < FEWEST:
             continue
         if np.isnan(values).all():
-            cells = np.array(_cells(table, place))
+            cells = np.array(column_texts(table, place, len(values)))
             if len(cells) != len(values):
                 continue
             told, parts = np.unique(cells, return_inverse=True)
@@ -68,13 +67,6 @@ def _take_turns(parts: np.ndarray, count: int) -> bool:
     """Whether each part mostly comes again after all ``count`` parts, as no comment or state of one machine does."""
     later = np.concatenate([np.diff(np.flatnonzero(parts == part)) for part in range(count)])
     return float(np.sum(later == count)) > MOSTLY * len(parts)
-
-
-def _cells(table: TraceTable, place: int) -> list[str]:
-    """The texts of a column in the first rows below the header."""
-    with table.path.open(encoding="utf-8", errors="replace", newline="") as file:
-        rows = csv.reader(islice(file, table.header_line, None), delimiter=table.style.delimiter)
-        return [row[place].strip() for row in islice((row for row in rows if len(row) > place), _LOOKED_AT)]
 
 
 def _at_the_same_times(time: np.ndarray, parts: np.ndarray) -> bool:

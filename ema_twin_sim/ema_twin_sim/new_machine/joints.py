@@ -18,7 +18,7 @@ from ema_bench_replay.traces.header_words import HeaderWords
 from ema_bench_replay.units import MOTIONS, units_of
 
 from ..criteria import NEGLIGIBLE, PART, SMALL
-from ..measured.load_sensor import exact_factor
+from ..measured.exact_factor import exact_factor
 from .column_quantity import has_word
 from .column_words import TOOL
 from .part_names import part_in_the_name, part_of, without_type
@@ -107,14 +107,11 @@ def one_joint(
     known = {part_in_the_name(part, read.name): part for part, read in joints.items()}
     ways = {name: travel(joints[part], numbers) for name, part in known.items()}
     driven = {name for name, part in known.items() if _is_driven(part, columns, numbers, parts)}
-    again = {name: _told_again(name, known, columns, numbers, parts) for name in known}
-
-    def worth(name: str) -> tuple[bool, float, bool, float]:
-        """How much speaks for a joint: of those that tell the same drive, the one whose current is known."""
-        has_current = any(c.quantity == "current" for c in _drives(known[name], columns, numbers, parts))
-        return name in driven, max(ways[other] for other in (name, *again[name])), has_current, ways[name]
-
-    chosen = wanted if wanted in known else max(known, key=worth)
+    with_current = {name for name, part in known.items() if _has_current(part, columns, numbers, parts)}
+    again = _told_again({name: _measured(part, columns, numbers, parts) for name, part in known.items()})
+    farthest = {name: max(ways[other] for other in (name, *again[name])) for name in known}
+    worths = {name: (name in driven, farthest[name], name in with_current, ways[name]) for name in known}
+    chosen = wanted if wanted in known else max(known, key=worths.__getitem__)
     undriven = tuple(name for name in known if name not in driven and chosen in driven and ways[name] > ways[chosen])
     own, others = known[chosen], [part for name, part in known.items() if name != chosen]
     own_first = sorted(columns, key=lambda column: parts[column.read.name] != own)
@@ -129,34 +126,31 @@ def one_joint(
     return Joint(chosen, tuple(name for name in known if name != chosen), undriven, moving, same), kept
 
 
-def _told_again(
-    name: str,
-    known: Mapping[str, Part],
-    columns: Sequence[JointColumn],
-    numbers: Mapping[str, np.ndarray],
-    parts: Mapping[str, Part],
-) -> tuple[str, ...]:
-    """The names of what tells the same drive as one: all that both measure is a factor apart, to the last digits.
+def _told_again(measured: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, tuple[str, ...]]:
+    """For each joint by its name, the others that tell the same drive; of each, what was measured by its quantity.
 
     A log may hold a drive's own units and those of its output, both computed from one encoder and one current.
     """
+    return {
+        name: tuple(other for other, theirs in measured.items() if other != name and _are_of_one_drive(own, theirs))
+        for name, own in measured.items()
+    }
 
-    def measured(part: Part) -> dict[str, np.ndarray]:
-        """The first column of each quantity of a part."""
-        own = [c for c in reversed(columns) if parts[c.read.name] == part and c.read.name in numbers and not c.setpoint]
-        return {c.quantity: numbers[c.read.name] for c in own if c.quantity in (*_MOVES, *_DRIVES)}
 
-    def is_same(one: Mapping[str, np.ndarray], other: Mapping[str, np.ndarray]) -> bool:
-        """Whether all that both hold is a factor apart; one quantity alone tells nothing."""
-        both = [quantity for quantity in one if quantity in other]
-        return len(both) > 1 and all(
-            exact_factor(one[quantity] - np.nanmean(one[quantity]), other[quantity] - np.nanmean(other[quantity]))
-            is not None
-            for quantity in both
-        )
+def _are_of_one_drive(one: Mapping[str, np.ndarray], other: Mapping[str, np.ndarray]) -> bool:
+    """Whether all that both measure is a factor apart, to the last digits; one quantity alone tells nothing."""
+    both = [(one[quantity], other[quantity]) for quantity in one if quantity in other]
+    return len(both) > 1 and all(
+        exact_factor(values - np.nanmean(values), of - np.nanmean(of)) is not None for of, values in both
+    )
 
-    own = measured(known[name])
-    return tuple(other for other, part in known.items() if other != name and is_same(own, measured(part)))
+
+def _measured(
+    part: Part, columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray], parts: Mapping[str, Part]
+) -> dict[str, np.ndarray]:
+    """By its quantity, the first column (n,) that a part measures of it."""
+    own = [c for c in reversed(columns) if parts[c.read.name] == part and c.read.name in numbers and not c.setpoint]
+    return {c.quantity: numbers[c.read.name] for c in own if c.quantity in (*_MOVES, *_DRIVES)}
 
 
 def _without_tool(columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray]) -> Sequence[JointColumn]:
@@ -210,6 +204,13 @@ def _drives(
     return [c for c in measured if c.quantity == "current"] or measured or own
 
 
+def _has_current(
+    part: Part, columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray], parts: Mapping[str, Part]
+) -> bool:
+    """Whether a joint's current is known, and not only its torque."""
+    return any(c.quantity == "current" for c in _drives(part, columns, numbers, parts))
+
+
 def _have_motors_of_their_own(
     joints: Collection[Part],
     columns: Sequence[JointColumn],
@@ -221,7 +222,7 @@ def _have_motors_of_their_own(
     Robots move their joints to a pose in step, however far each goes: motions alone do not tell joints from shafts.
     """
     driven = [part for part in joints if _is_driven(part, columns, numbers, parts)]
-    by_current = [p for p in driven if any(c.quantity == "current" for c in _drives(p, columns, numbers, parts))]
+    by_current = [part for part in driven if _has_current(part, columns, numbers, parts)]
     return len(by_current) > 1 or len(driven) > _SHAFTS
 
 

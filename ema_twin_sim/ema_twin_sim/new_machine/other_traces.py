@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +13,15 @@ from ema_bench_replay.some_of import some_of
 from ema_bench_replay.traces.trace_table import read_table
 
 from .columns import Guesses, guess_columns
+from .interleaved_rows import refuse_interleaved_rows
 
 
 def differing_columns(first: Path, guesses: Guesses, others: Sequence[Path], *, slides: bool = False) -> Iterator[str]:
     """Yield a sentence for what a map of the ``first`` trace's columns does not read, or misses, in the ``others``.
 
     Whether the machine ``slides`` by a known way per turn of its motor decides which columns are used.
-    Raises InputError if another trace has the same signals under other names, so that the map would not find them.
+    Raises InputError if another trace has the same signals under other names, so that the map would not find them, or
+    if its rows are those of several parts that take turns.
     """
     wanted = {guess.signal: guess.column for guess in guesses.signals}
     if guesses.time is not None:
@@ -37,6 +40,7 @@ def differing_columns(first: Path, guesses: Guesses, others: Sequence[Path], *, 
                 f"{other}: has other column names than {first}: {some_of(renamed)}; give both the same names, "
                 "or run init for each kind of file apart and make recordings of each by its map (ema-twin import --map)"
             )
+        refuse_interleaved_rows(table, replace(theirs, of_points=guesses.of_points), numbers)
         if missing:
             yield f"{other}: lacks the column {some_of(map(repr, missing.values()))} of {first}: read without it"
         known = {*wanted.values(), *guesses.left}

@@ -12,7 +12,7 @@ import numpy as np
 from ema_bench_replay.traces.header_words import COUNTS, HeaderWords
 
 from ..criteria import SMALL
-from ..measured.load_sensor import exact_factor
+from ..measured.exact_factor import exact_factor
 from .column_quantity import has_word, word_quantity
 from .column_words import (
     ACCELERATION_UNIT,
@@ -240,7 +240,7 @@ def _of_a_current(torque: Column, currents: Sequence[Column], numbers: Mapping[s
     """Whether a torque is a factor times a current, to the last digits, so that the drive computed it."""
     if torque.name not in numbers:
         return False
-    return any(exact_factor(numbers[c.name], numbers[torque.name]) is not None for c in currents if c.name in numbers)
+    return any(exact_factor(numbers[torque.name], numbers[c.name]) is not None for c in currents if c.name in numbers)
 
 
 def _is_computed(torque: Column, torques: Sequence[Column]) -> bool:

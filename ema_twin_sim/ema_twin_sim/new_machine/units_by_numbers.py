@@ -196,7 +196,11 @@ def _unusual(position: Guess, one: float, speed: Guess) -> Guess:
 
 
 def _ways(position: np.ndarray, speed: np.ndarray, time: np.ndarray) -> float | None:
-    """Distance in the position's unit per unit of distance by the speed; None if the position does not follow it."""
+    """Distance in the position's unit per unit of distance by the speed; None if the position does not follow it.
+
+    A pause is longer than the parts that are compared usually last: elsewhere so many seconds tell one, and here the
+    time may have no unit yet.
+    """
     travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))])
-    window = float(np.median(differences(time)[0]))
-    return steady(*differences(*without_long_steps(time, window, position, travelled)))
+    part = float(np.median(differences(time)[0]))
+    return steady(*differences(*without_long_steps(time, part, position, travelled)))
