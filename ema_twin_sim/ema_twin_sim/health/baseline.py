@@ -16,7 +16,7 @@ from .acquisition import Extent, judge_acquisition
 from .between_tests import Prediction, predict
 from .block_limit import block_limit
 from .disturbance import tells_more
-from .encoders import EXACT
+from .encoders import NEARLY_REPEATABLE
 from .false_alarms import FALSE_ALARM
 from .features import Feature, Features, stroke_efforts
 from .motion_record import MotionRecord
@@ -151,10 +151,11 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
     judged = [name for name in moving if not (unsigned and name == "load")]  # a magnitude does not show a load
     columns = [moving.index(name) for name in judged]
     blocks, left_out = _limits(judged, values[:, columns], tests, false_alarm)
-    least = [NEGLIGIBLE / CONTRADICTED if name in EXACT else 0.0 for name in moving]
+    # Of what repeats within its rounding, a change below a calibration's has to stay within the limits of chance.
+    added = [NEGLIGIBLE / CONTRADICTED if name in NEARLY_REPEATABLE else 0.0 for name in moving]
     return Baseline(
         features=tuple(moving),
-        prediction=predict(values, tests).no_better_than(np.array(least)),
+        prediction=predict(values, tests).with_scatter_added(np.array(added)),
         scale=scale,
         sides=(sides[0], sides[1]),
         wavelength=wavelength,

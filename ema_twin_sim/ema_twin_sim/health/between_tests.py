@@ -51,9 +51,9 @@ class Prediction:
                 used += (float(np.trace(share @ share)) + float(np.trace(share)) ** 2) / freedom
         return (count + count**2) / used
 
-    def no_better_than(self, least: np.ndarray) -> Prediction:
-        """The same where no feature is better known than by ``least`` (p,), a standard deviation between tests."""
-        return replace(self, between=self.between + np.diag(least**2), _parts={})
+    def with_scatter_added(self, added: np.ndarray) -> Prediction:
+        """The same with tests that scatter more, by standard deviations ``added`` (p,) of each feature for itself."""
+        return replace(self, between=self.between + np.diag(added**2), _parts={})
 
     def part(self, which: Sequence[int]) -> Prediction:
         """The prediction of some of the features; the same one each time, since it knows what it has computed."""
