@@ -12,9 +12,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy import special
 
-from .between_tests import Prediction
+from .between_tests import Prediction, degrees_of_freedom, hotelling_tail
 
 _DRAWS = 16_000
 """The rate is then known to an eighth for a false alarm in 270 runs."""
@@ -31,22 +30,8 @@ def block_limit(prediction: Prediction, rate: float) -> float:
     distance = np.einsum(
         "ni,ni->n", off, np.linalg.solve(between * (1.0 + 1.0 / tests) + within, off[..., None])[..., 0]
     )
-    inverse = np.linalg.inv(between + within)
-    used = _used(between @ inverse, freedoms[0]) + _used(within @ inverse, freedoms[1])
-    freedom = (count + count**2) / used
-    left = freedom - count + 1.0
-    tails = np.ones(_DRAWS)
-    known = left > 0.0
-    tails[known] = special.fdtrc(count, left[known], (distance * left / (count * freedom))[known])
+    tails = hotelling_tail(distance, count, degrees_of_freedom(between, within, tests, prediction.runs))
     return math.log(max(float(np.quantile(tails, rate)), np.finfo(float).tiny))
-
-
-def _used(share: np.ndarray, freedom: int) -> np.ndarray:
-    """What one of the parts (n, p, p) of a covariance contributes to its degrees of freedom (Nel, van der Merwe)."""
-    if freedom <= 0:
-        return np.zeros(len(share))
-    trace = np.trace(share, axis1=1, axis2=2)
-    return np.asarray((np.einsum("nij,nji->n", share, share) + trace**2) / freedom)
 
 
 def _normal(rng: np.random.Generator, covariance: np.ndarray) -> np.ndarray:
