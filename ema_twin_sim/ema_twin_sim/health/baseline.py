@@ -217,15 +217,14 @@ def _limits(
         prediction = predict(values[others], [name for name in tests if name != test]).with_scatter_added(added)
         for row in np.flatnonzero(~others):
             left_out[row] = tails(prediction, names, blocks, values[row])
-    beyond = float(np.mean((left_out < np.array(rates)).any(axis=1)))
+    beyond = left_out < np.array(drawn)
     farthest = left_out.min(axis=0)
-    counts = (left_out < np.array(rates)).sum(axis=0)
-    unlikely = stats.binom.sf(counts - 1, len(values), np.exp(rates)) < 1.0 - NEARLY_ALL
+    unlikely = stats.binom.sf(beyond.sum(axis=0) - 1, len(values), np.exp(rates)) < 1.0 - NEARLY_ALL
     limits = tuple(
         BlockLimit(block, min(limit, float(far)) if odd else limit)
         for block, limit, far, odd in zip(blocks, drawn, farthest, unlikely, strict=True)
     )
-    return limits, beyond
+    return limits, float(np.mean(beyond.any(axis=1)))
 
 
 def _blocks(names: Sequence[str], prediction: Prediction) -> list[tuple[str, ...]]:
