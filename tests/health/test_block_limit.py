@@ -63,6 +63,13 @@ def test_many_tests_leave_the_limit_as_told():
     assert block_limit(learnt, RATE) == pytest.approx(np.log(RATE), abs=0.25)
 
 
+@pytest.mark.parametrize("rate", [1e-3, 1e-4, 1e-6])
+def test_a_rare_false_alarm_is_not_called_off_more_often_than_told(rate):
+    """Of a unit with many tests the rate itself is the limit; a unit with several motions divides the rate by them."""
+    learnt = predict(*healthy(np.random.default_rng(1), 400, 2, 0.5))
+    assert np.log(rate) - 0.5 < block_limit(learnt, rate) < np.log(rate) + 0.25
+
+
 def test_the_limit_is_the_same_each_time_and_takes_many_runs():
     learnt = predict(*healthy(np.random.default_rng(2), 4, 5000, 1.0))
     assert block_limit(learnt, RATE) == block_limit(learnt, RATE)
