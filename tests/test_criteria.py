@@ -98,7 +98,7 @@ METHOD = {
     "discovery/search/search_order.py": "MORE",
     "discovery/search/unknown.py": "MOST_ROUNDS TRIED",
     "health/baseline.py": "FEWEST_TESTS _VANISHING",
-    "health/block_limit.py": "_DRAWS",
+    "health/block_limit.py": "_BEYOND _DRAWS _MOST",
     "health/change_point.py": "_FEWEST _BELIEVED _LARGEST",
     "health/false_alarms.py": "FALSE_ALARM FALSE_ALARM_OF_HISTORY",
     "health/disturbance.py": "_TAPS _TAPS_A_WAVE",

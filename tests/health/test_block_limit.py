@@ -1,10 +1,15 @@
 """Features judged together call off the told share of healthy runs, however few the healthy tests are."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from ema_twin_sim.health.baseline import LEVELS, learn_from
 from ema_twin_sim.health.between_tests import predict
 from ema_twin_sim.health.block_limit import block_limit
+from ema_twin_sim.health.features import Feature, Features
+from tests.health_by_hand import run_by_hand
 
 RATE = 0.01
 
@@ -39,9 +44,30 @@ def test_few_tests_that_differ_more_than_runs_call_off_the_told_share(tests):
     assert drawn <= 1.5 * RATE and drawn < told
 
 
+def test_the_told_share_of_left_out_runs_is_that_of_the_limits_in_use():
+    """Judged by four tests and the limit drawn for five, a little more than one in a hundred is beyond it."""
+    rng = np.random.default_rng(5)
+    told = []
+    for _ in range(40):
+        values, names = healthy(rng, 5, 5, 5.0)
+        runs = []
+        for one, test in zip(0.01 * values, names, strict=True):
+            levels = {name: Feature(value, "A", True) for name, value in zip(LEVELS, one, strict=True)}
+            runs.append(replace(run_by_hand("a run", rng), test=test, features=Features(levels, (1.0, 1.0))))
+        told.append(learn_from(runs).false_alarms_left_out)
+    assert np.mean(told) <= 2.0 * RATE
+
+
 def test_many_tests_leave_the_limit_as_told():
     learnt = predict(*healthy(np.random.default_rng(1), 200, 2, 0.5))
     assert block_limit(learnt, RATE) == pytest.approx(np.log(RATE), abs=0.25)
+
+
+@pytest.mark.parametrize("rate", [1e-3, 1e-4, 1e-6])
+def test_a_rare_false_alarm_is_not_called_off_more_often_than_told(rate):
+    """Of a unit with many tests the rate itself is the limit; a unit with several motions divides the rate by them."""
+    learnt = predict(*healthy(np.random.default_rng(1), 400, 2, 0.5))
+    assert np.log(rate) - 0.5 < block_limit(learnt, rate) < np.log(rate) + 0.25
 
 
 def test_the_limit_is_the_same_each_time_and_takes_many_runs():

@@ -123,6 +123,15 @@ def test_a_load_is_told_from_a_factor_by_what_the_factor_would_have_changed():
     assert name_change(efforts(HOIST, SCATTER, heavy), {}, unsigned=False).family is Family.LOAD
 
 
+def test_efforts_that_fell_by_one_factor_while_the_breakaway_rose_have_no_factor():
+    """What breaks away moved by a dozen standard deviations, but the other way: no factor of 0.8 did that."""
+    fallen = {name: 0.8 * value for name, value in HOIST.items()}
+    told = name_change(efforts(HOIST, SCATTER, fallen), {}, unsigned=False)
+    assert told.sentence.startswith("All efforts changed by one factor of 0.80")
+    risen = name_change(efforts(HOIST, SCATTER, {**fallen, "breakaway": 1.24 * 3.0}), {}, unsigned=False)
+    assert "one factor" not in risen.sentence
+
+
 def test_friction_of_two_speeds_is_no_load():
     """Viscous friction in moves of 1 and 2.2 rad/s: half the difference of both efforts is below half their sum."""
     healthy = {"friction": 0.1, "load": 0.01, "settling": 0.03}  # A

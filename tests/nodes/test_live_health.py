@@ -1,6 +1,7 @@
 """The running unit's health: the monitor judges a run as `units` judges its recording, and publishes the numbers."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from ema_twin_msgs.msg import EmaState
 from ema_twin_sim.campaign.healthy import Healthy
 from ema_twin_sim.campaign.jobs import Grouping, Task, find_jobs
 from ema_twin_sim.campaign.store import Store
-from ema_twin_sim.campaign.unit_health import unit_health
+from ema_twin_sim.campaign.unit_health import Learnt, healthy_runs, learnt_from, unit_health
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.campaign.work import judged
 from ema_twin_sim.commands.live import run as run_command
@@ -62,6 +63,24 @@ def test_a_run_is_judged_as_its_recording_is(unit):
     assert watch.last.distance == pytest.approx(offline.distance, rel=1e-6)
     assert watch.last.words == offline.words
     assert "A, healthy" in watch.figures["friction"]
+
+
+def test_a_run_is_read_with_the_wavelength_of_the_nearest_motion(unit):
+    """Beside healthy runs three times as far and fast, whose wave is half as long, nothing of its judgement changes."""
+    (held,) = units_of(Store.opened(unit / "results").rows())
+    runs, flags = healthy_runs(held, Healthy.of("test [0-5]/", 4))
+    (learnt,) = learnt_from([run for run, flag in zip(runs, flags, strict=True) if flag]).kinds
+    period, travel, speed = learnt.motion
+    own = replace(learnt, wavelength=0.25 * travel)
+    other = replace(own, motion=(period, 3.0 * travel, 3.0 * speed), wavelength=0.5 * own.wavelength)
+    worn = load(unit / "runs" / "EMA" / "test 6" / "1.mcap")
+    told = []
+    for kinds in ((own,), (other, own), (own, other)):
+        watch = UnitWatch("EMA", Learnt(kinds, ()))
+        watch.judge(lambda: worn)
+        told.append(watch.last)
+    assert "wave_depth" in told[0].features
+    assert all(one.features == told[0].features and one.words == told[0].words for one in told)
 
 
 def test_a_run_whose_beginning_is_not_held_is_told(unit):

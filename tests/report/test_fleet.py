@@ -74,9 +74,11 @@ def test_what_has_changed_is_told_with_where_it_leads(pages):
     worn = next(page.read_text() for name, page in of_units.items() if "worn" in name)
     assert re.search(r"it has changed since week 1[0-4]", worn)
     assert re.search(r"reaches its limit in \d+ to \d+ days", worn)
+    assert re.search(r"Find out why backlash width has changed \([+−][\d.]+\s%\)\.", worn)
     assert worn.count("<circle") == 24
     well = next(page.read_text() for name, page in of_units.items() if "/B" in name)
     assert "No parameter has changed." in well and "No number shows a trend." in well and "Nothing to do." in well
+    assert "Find out why" not in well
     torn = next(page.read_text() for name, page in of_units.items() if "/C" in name)
     assert "no rows" in torn and "1 refused" in torn
 

@@ -16,7 +16,7 @@ from .acquisition import Extent, judge_acquisition
 from .between_tests import Prediction, predict
 from .block_limit import block_limit
 from .disturbance import tells_more
-from .encoders import EXACT
+from .encoders import NEARLY_REPEATABLE
 from .false_alarms import FALSE_ALARM
 from .features import Feature, Features, stroke_efforts
 from .motion_record import MotionRecord
@@ -150,11 +150,12 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
     values = values[:, [names.index(name) for name in moving]]
     judged = [name for name in moving if not (unsigned and name == "load")]  # a magnitude does not show a load
     columns = [moving.index(name) for name in judged]
-    blocks, left_out = _limits(judged, values[:, columns], tests, false_alarm)
-    least = [NEGLIGIBLE / CONTRADICTED if name in EXACT else 0.0 for name in moving]
+    # Of what repeats within its rounding, a change below a calibration's has to stay within the limits of chance.
+    added = np.array([NEGLIGIBLE / CONTRADICTED if name in NEARLY_REPEATABLE else 0.0 for name in moving])
+    blocks, left_out = _limits(judged, values[:, columns], tests, added[columns], false_alarm)
     return Baseline(
         features=tuple(moving),
-        prediction=predict(values, tests).no_better_than(np.array(least)),
+        prediction=predict(values, tests).with_scatter_added(added),
         scale=scale,
         sides=(sides[0], sides[1]),
         wavelength=wavelength,
@@ -193,15 +194,16 @@ def tails(
 
 
 def _limits(
-    names: Sequence[str], values: np.ndarray, tests: Sequence[str], false_alarm: float
+    names: Sequence[str], values: np.ndarray, tests: Sequence[str], added: np.ndarray, false_alarm: float
 ) -> tuple[tuple[BlockLimit, ...], float]:
     """The blocks with their limits, and the share of healthy runs beyond a limit.
 
     The limits are those of the requested rate if healthy runs are distributed as assumed. Each healthy run is judged by
     the baseline of the other tests. If more of them than chance allows are beyond a block's limit, the runs of this
-    unit are not normally distributed, and the limit moves to the farthest of them.
+    unit are not normally distributed, and the limit moves to the farthest of them. ``added`` (p,) is the
+    scatter that is added to what each baseline knows.
     """
-    learnt = predict(values, tests)
+    learnt = predict(values, tests).with_scatter_added(added)
     blocks = _blocks(names, learnt)
     rates = _rates(blocks, false_alarm)
     drawn = [
@@ -212,18 +214,17 @@ def _limits(
     left_out = np.zeros((len(values), len(blocks)))
     for test in dict.fromkeys(tests):
         others = labels != test
-        prediction = predict(values[others], [name for name in tests if name != test])
+        prediction = predict(values[others], [name for name in tests if name != test]).with_scatter_added(added)
         for row in np.flatnonzero(~others):
             left_out[row] = tails(prediction, names, blocks, values[row])
-    beyond = float(np.mean((left_out < np.array(rates)).any(axis=1)))
+    beyond = left_out < np.array(drawn)
     farthest = left_out.min(axis=0)
-    counts = (left_out < np.array(rates)).sum(axis=0)
-    unlikely = stats.binom.sf(counts - 1, len(values), np.exp(rates)) < 1.0 - NEARLY_ALL
+    unlikely = stats.binom.sf(beyond.sum(axis=0) - 1, len(values), np.exp(rates)) < 1.0 - NEARLY_ALL
     limits = tuple(
         BlockLimit(block, min(limit, float(far)) if odd else limit)
         for block, limit, far, odd in zip(blocks, drawn, farthest, unlikely, strict=True)
     )
-    return limits, beyond
+    return limits, float(np.mean(beyond.any(axis=1)))
 
 
 def _blocks(names: Sequence[str], prediction: Prediction) -> list[tuple[str, ...]]:

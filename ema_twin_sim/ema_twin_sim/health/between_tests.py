@@ -42,18 +42,11 @@ class Prediction:
     @cached_property
     def degrees_of_freedom(self) -> float:
         """Degrees of freedom of the covariance, by Nel and van der Merwe."""
-        inverse = np.linalg.inv(self.between + self.within)
-        count = len(self.mean)
-        used = 0.0
-        for part, freedom in ((self.between, self.tests - 1), (self.within, self.runs - self.tests)):
-            if freedom > 0:
-                share = part @ inverse
-                used += (float(np.trace(share @ share)) + float(np.trace(share)) ** 2) / freedom
-        return (count + count**2) / used
+        return float(degrees_of_freedom(self.between, self.within, self.tests, self.runs))
 
-    def no_better_than(self, least: np.ndarray) -> Prediction:
-        """The same where no feature is better known than by ``least`` (p,), a standard deviation between tests."""
-        return replace(self, between=self.between + np.diag(least**2), _parts={})
+    def with_scatter_added(self, added: np.ndarray) -> Prediction:
+        """The same with tests that scatter more, by standard deviations ``added`` (p,) of each feature for itself."""
+        return replace(self, between=self.between + np.diag(added**2), _parts={})
 
     def part(self, which: Sequence[int]) -> Prediction:
         """The prediction of some of the features; the same one each time, since it knows what it has computed."""
@@ -78,13 +71,32 @@ class Prediction:
 
         Uses the degrees of freedom ``freedom`` if given, else the covariance's own.
         """
-        count = len(self.mean)
         freedom = self.degrees_of_freedom if freedom is None else freedom
-        left = freedom - count + 1.0
-        if left <= 0.0:
-            return 0.0
         with np.errstate(divide="ignore"):  # farther off than numbers can tell
-            return float(np.log(special.fdtrc(count, left, self.distance(values) * left / (count * freedom))))
+            return float(np.log(hotelling_tail(self.distance(values), len(self.mean), freedom)))
+
+
+def degrees_of_freedom(between: np.ndarray, within: np.ndarray, tests: int, runs: int) -> np.ndarray:
+    """Degrees of freedom (...) of covariances that are sums of two parts (..., p, p), by Nel and van der Merwe."""
+    inverse = np.linalg.inv(between + within)
+    count = inverse.shape[-1]
+    used = np.zeros(inverse.shape[:-2])
+    for part, freedom in ((between, tests - 1), (within, runs - tests)):
+        if freedom > 0:
+            share = part @ inverse
+            trace = np.trace(share, axis1=-2, axis2=-1)
+            used += (np.einsum("...ij,...ji->...", share, share) + trace**2) / freedom
+    return np.asarray((count + count**2) / used)
+
+
+def hotelling_tail(distance: np.ndarray | float, count: int, freedom: np.ndarray | float) -> np.ndarray:
+    """Probability (...) that ``count`` features are farther off than a squared distance; 1 if the freedom is too low.
+
+    ``freedom`` is that of the covariance which the distance was measured by.
+    """
+    left = np.asarray(freedom - count + 1.0)
+    known = np.maximum(left, np.finfo(float).tiny)
+    return np.where(left > 0.0, special.fdtrc(count, known, distance * left / (count * freedom)), 1.0)
 
 
 def predict(values: np.ndarray, tests: Sequence[str]) -> Prediction:

@@ -10,7 +10,7 @@ from ..criteria import ALL_BUT_SPIKES
 from .motion_record import MotionRecord, rounding_scatter
 from .phases import Phases
 
-EXACT = ("encoder_reach", "encoder_scatter", "encoder_drift")
+NEARLY_REPEATABLE = ("encoder_reach", "encoder_scatter", "encoder_drift")
 """The features that repeat within a fraction of a per cent, mostly as the rounding of the encoders does. Changes below
 those of a sensor's calibration (NEGLIGIBLE) say nothing of the machine, and any change of the motion moves these
 features by standard deviations."""

@@ -42,7 +42,7 @@ from enum import Enum
 import numpy as np
 
 from ..criteria import CONTRADICTED, LIKELY, MOSTLY, PART, SUREST
-from .encoders import EXACT
+from .encoders import NEARLY_REPEATABLE
 
 
 class Family(Enum):
@@ -153,7 +153,8 @@ def rank(
     values = {name: change for name, change in alone.items() if any(name in of for of in DIRECTIONS.values())}
     if not values:
         return ()
-    slight = {name for name in EXACT if more.get(name, np.inf) <= PART}  # they have to grow by a considerable share
+    # What nearly repeats is off by standard deviations at once, so it has to grow by a considerable share, too.
+    slight = {name for name in NEARLY_REPEATABLE if more.get(name, np.inf) <= PART}
     measured = {**(beside or {}), **{name: change for name, change in alone.items() if name not in slight}}
     found = [
         _explanation(family, values)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -165,8 +166,13 @@ def one_factor(changes: Mapping[str, Change]) -> float | None:
         for name, one in levels.items()
     )
     started = changes.get("breakaway")
-    refuted = started is not None and abs(more * started.size) - abs(started.standard_deviations) > CONTRADICTED
+    refuted = started is not None and _falls_short(started.standard_deviations, more * started.size)
     return 1.0 + more if fits and abs(shown["load"]) > CONTRADICTED and not refuted else None
+
+
+def _falls_short(moved: float, wanted: float) -> bool:
+    """Whether a feature moved by less than it should beyond chance, or the other way, in standard deviations."""
+    return abs(wanted) - math.copysign(1.0, wanted) * moved > CONTRADICTED
 
 
 def _shown_by_friction(changes: Mapping[str, Change]) -> bool:
