@@ -29,8 +29,6 @@ from ..simulation.longest_step import coarse_step
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
 from .search.trace import Search
 
-_MOVING, _SETTLED = -2, -1  # columns of the errors of the main signal in parts of the recordings
-
 
 @dataclass(frozen=True)
 class Unseen:
@@ -282,6 +280,7 @@ class Judge:
         squared, counts = table[..., 0], table[..., 1]
         each = np.sqrt(squared[:, :, 0] / np.maximum(counts[:, :, 0], 1))
         pooled = np.sqrt(squared.sum(axis=1) / np.maximum(counts.sum(axis=1), 1))
+        moving, settled = pooled[:, -2:].T  # a view
         of_output: list[float] = []
         if signal == "current" and counts[:, :, 1].sum(axis=1).all():
             of_output = [float(value) for value in pooled[:, 1]]
@@ -291,7 +290,7 @@ class Judge:
             left = [first, *(self._by_others(problem, f)[1] for f in fitted), *last]
             of_output = [parting(problem, residual) for residual in left]
         start = int(base.is_open)
-        judged_from = float(pooled[start, _MOVING]), of_output[start] if of_output else None
+        judged_from = float(moving[start]), of_output[start] if of_output else None
         if as_given or not pooled[1, 0] < pooled[0, 0]:  # fitting open constants while an effect is missing may mislead
             pooled[1], each[1] = pooled[0], each[0]
             of_output[1:2] = of_output[:1]
@@ -306,8 +305,8 @@ class Judge:
             float(pooled[0, 0]),
             tuple(float(value) for value in each[0]),
             of_output[0] if of_output else None,
-            tuple(float(value) for value in pooled[1:, _MOVING]),
-            tuple(float(value) for value in pooled[1:, _SETTLED]),
+            tuple(float(value) for value in moving[1:]),
+            tuple(float(value) for value in settled[1:]),
             *judged_from,
         )
         if signal == "current" and by_torque(recordings):
