@@ -116,6 +116,17 @@ def test_why_a_step_is_kept_whose_simulated_error_grew_is_told_where_one_is():
 
 
 @pytest.mark.parametrize(
+    ("settled", "told"), [((0.036, 0.011), True), ((0.157, 0.255), False), ((0.036, 0.034), False)]
+)
+def test_where_an_error_grew_at_standstill_alone_that_is_told(settled, told):
+    grown = [SimpleNamespace(action="add", rmse_before=0.157, rmse_after=0.255)]
+    unseen = SimpleNamespace(rmse=(0.157, 0.255), settled=settled, unit="N m")
+    said = larger_sentence(grown, unseen)
+    assert ("In motion the steps together brought the error from 36.0 mN m to 11.0 mN m" in said) == told
+    assert told or "a step takes the effect that best explains" in said
+
+
+@pytest.mark.parametrize(
     ("suggested", "motion", "words"),
     [
         (

@@ -61,7 +61,7 @@ def show_search(found: Discovery, without: Sequence[str] = ()) -> None:
             say(STEPS_ARE)
         if dropped:
             say(dropped)
-        if grew := larger_sentence(shown):
+        if grew := larger_sentence(shown, found.unseen):
             say(grew)
         if leaves := left_sentence(found.unseen):
             say(leaves)

@@ -53,7 +53,7 @@ def steps(content: Content, charts: Charts) -> Markup:
         errors = ("RMSE before", "RMSE after", "excess removed", "output before", "output after")
         head = ("step", *errors, "runner-up, or reason")
         parts.append(table(head, [*_refit(findings), *rows], words=(0, 6)))
-        if grew := larger_sentence(findings.steps):
+        if grew := larger_sentence(findings.steps, findings.unseen):
             parts.append(tag("p", grew, class_="aside"))
     if findings is not None and findings.unseen is not None and len(findings.unseen.rmse) > 1:
         parts.append(charts.add(falling(findings, findings.unseen)))

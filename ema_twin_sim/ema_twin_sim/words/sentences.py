@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..comparison.beyond_noise import is_noise, times_words, told_share
-from ..criteria import MOSTLY, NOISY, SUREST
+from ..criteria import CLEARLY_MORE, MOSTLY, NOISY, SUREST
 from ..listing import listed
 from ..quantities import MOST_TIMES, limited_factor, quantity
 
@@ -79,10 +79,17 @@ def removed_words(share: float | None, before: float = 0.0, after: float = 0.0) 
     return "over 99.9 %" if 1.0 - _NOTHING <= told < 1.0 else f"{100.0 * told:.1f} %"
 
 
-def larger_sentence(steps: Iterable[Step]) -> str:
+def larger_sentence(steps: Iterable[Step], unseen: Unseen | UnseenErrors | None = None) -> str:
     """A sentence on why an effect was added although the simulated error grew in its step; empty if none was."""
     if not any(s.action == "add" and s.rmse_after > (1.0 + _NOTHING) * s.rmse_before for s in steps):
         return ""
+    settled = () if unseen is None or unseen.settled == unseen.rmse else unseen.settled
+    if unseen is not None and settled and CLEARLY_MORE * settled[-1] < settled[0]:
+        before, after = (quantity(value, unseen.unit) for value in (settled[0], settled[-1]))
+        return (
+            f"{LARGER.capitalize()}: over all samples, standstill included. In motion the steps together brought the error "
+            f"from {before} to {after}."
+        )
     return (
         f"{LARGER.capitalize()}: a step takes the effect that best explains the torque (or the encoders' difference) "
         "of the measured motion, not the one that most reduces this simulated error, which may fall only after a later "
