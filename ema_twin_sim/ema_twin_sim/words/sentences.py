@@ -87,8 +87,8 @@ def larger_sentence(steps: Iterable[Step], unseen: Unseen | UnseenErrors | None 
     if unseen is not None and settled and CLEARLY_MORE * settled[-1] < settled[0]:
         before, after = (quantity(value, unseen.unit) for value in (settled[0], settled[-1]))
         return (
-            f"{LARGER.capitalize()}: over all samples, standstill included. In motion the steps together brought the error "
-            f"from {before} to {after}."
+            f"{LARGER.capitalize()}: over all samples, standstill included. In motion the steps together brought the "
+            f"error from {before} to {after}."
         )
     return (
         f"{LARGER.capitalize()}: a step takes the effect that best explains the torque (or the encoders' difference) "
