@@ -52,6 +52,19 @@ def test_recordings_that_tell_neither_date_nor_test_are_warned_of():
     assert health.baselines[0].tests == 21 and any(ALONE in remark for remark in health.remarks)
 
 
+@pytest.mark.parametrize(
+    ("name_of", "healthy", "told"),
+    [
+        (lambda day, k: f"A/serial {day:%d}{k}.csv", Healthy(), True),
+        (lambda day, k: f"A/serial {day:%d}{k}.csv", Healthy(21), False),
+        (lambda day, k: f"A/A_{day:%Y-%m-%d}_{k}.csv", Healthy(), False),
+    ],
+)
+def test_a_reference_that_names_alone_put_first_is_warned_of(name_of, healthy, told):
+    health = unit_health(a_unit(name_of), healthy)
+    assert any("by name counts as healthy" in remark for remark in health.remarks) == told
+
+
 def test_a_test_is_healthy_as_a_whole():
     unit = a_unit(lambda day, k: f"{day:%Y-%m-%d}_{k}.csv")
     health = unit_health(unit, Healthy(20))

@@ -21,7 +21,7 @@ from ..health.naming import Naming
 from ..health.run_features import RunFeatures, kinds_of_motion, run_features
 from ..listing import first_of
 from .health_rows import run_of
-from .healthy import Healthy
+from .healthy import BY_DEFAULT, Healthy
 from .results import DONE
 from .units import Unit
 
@@ -246,7 +246,7 @@ def unit_health(unit: Unit, healthy: Healthy) -> UnitHealth | None:
     acquisition = dict.fromkeys(
         finding for run in read if run.features is not None for finding in run.acquisition.findings
     )
-    remarks = (*learnt.remarks, *_alone(unit, runs), *acquisition)
+    remarks = (*learnt.remarks, *_undated(unit, healthy), *_alone(unit, runs), *acquisition)
     if not learnt.kinds:
         return UnitHealth((), (), (), remarks)
     tests = _judged(learnt, (run for run, flag in zip(runs, flags, strict=True) if not flag))
@@ -257,6 +257,15 @@ def unit_health(unit: Unit, healthy: Healthy) -> UnitHealth | None:
         _judged(learnt, reference) if any(test.deviates for test in tests) else (),
         remarks,
     )
+
+
+def _undated(unit: Unit, healthy: Healthy) -> Iterator[str]:
+    """Yield a remark if names alone tell which tests came first, and so by default which are healthy."""
+    if healthy == BY_DEFAULT and all(row["time"] is None for row in unit.rows):
+        yield (
+            "no recording has a date, so the first third of its tests by name counts as healthy, whatever they hold; "
+            "name the healthy ones with --healthy, or give the times by (?P<time>...) in campaign --unit"
+        )
 
 
 def _alone(unit: Unit, runs: Sequence[RunFeatures]) -> Iterator[str]:
