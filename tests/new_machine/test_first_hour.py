@@ -109,6 +109,17 @@ def test_columns_that_only_some_traces_have_are_told(tmp_path, capsys, servo):
     assert f"list {servo[1]} first to use it" in told
 
 
+@pytest.mark.parametrize(
+    ("header", "lacked"), [("break-away torque [Nm]", "time column"), ("time [s],temperature [degC]", "column")]
+)
+def test_a_trace_of_another_kind_is_refused_in_words_of_both(header, lacked, tmp_path, capsys, servo):
+    other = tmp_path / "other.csv"
+    rows = [",".join(f"{k + place:.3f}" for place in range(header.count(",") + 1)) for k in range(50)]
+    other.write_text("\n".join([header, *rows]) + "\n")
+    with pytest.raises(InputError, match=f"other.csv: lacks the {lacked} .*of .*so one map cannot read both; run init"):
+        drafted([servo[0], other], tmp_path, capsys)
+
+
 def test_a_trace_without_a_position_leads_to_no_command_that_refuses_it(tmp_path, capsys):
     time = np.arange(400) * 1e-3
     rows = (f"{t:.3f},{np.sin(9.0 * t):.4f},{np.cos(9.0 * t):.4f}" for t in time)

@@ -20,8 +20,8 @@ def differing_columns(first: Path, guesses: Guesses, others: Sequence[Path], *, 
     """Yield a sentence for what a map of the ``first`` trace's columns does not read, or misses, in the ``others``.
 
     Whether the machine ``slides`` by a known way per turn of its motor decides which columns are used.
-    Raises InputError if another trace has the same signals under other names, so that the map would not find them, or
-    if its rows are those of several parts that take turns.
+    Raises InputError if another trace has the same signals under other names, so that the map would not find them, if it
+    has no time or none of the signals, or if its rows are those of several parts that take turns.
     """
     wanted = {guess.signal: guess.column for guess in guesses.signals}
     if guesses.time is not None:
@@ -41,6 +41,11 @@ def differing_columns(first: Path, guesses: Guesses, others: Sequence[Path], *, 
                 "or run init for each kind of file apart and make recordings of each by its map (ema-twin import --map)"
             )
         refuse_interleaved_rows(table, replace(theirs, of_points=guesses.of_points), numbers)
+        if "time" in missing or {*wanted} - {"time"} <= {*missing}:
+            lacked = "time column" if "time" in missing else f"column {some_of(map(repr, wanted.values()))}"
+            raise InputError(
+                f"{other}: lacks the {lacked} of {first}, so one map cannot read both; run init for each kind of file"
+            )
         if missing:
             yield f"{other}: lacks the column {some_of(map(repr, missing.values()))} of {first}: read without it"
         known = {*wanted.values(), *guesses.left}
