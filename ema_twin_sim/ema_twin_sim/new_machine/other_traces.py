@@ -20,8 +20,8 @@ def differing_columns(first: Path, guesses: Guesses, others: Sequence[Path], *, 
     """Yield a sentence for what a map of the ``first`` trace's columns does not read, or misses, in the ``others``.
 
     Whether the machine ``slides`` by a known way per turn of its motor decides which columns are used.
-    Raises InputError if another trace has the same signals under other names, so that the map would not find them, if it
-    has no time or none of the signals, or if its rows are those of several parts that take turns.
+    Raises InputError if another trace has the same signals under other names, so that the map would not find them, if
+    it has no time or none of the signals, or if its rows are those of several parts that take turns.
     """
     wanted = {guess.signal: guess.column for guess in guesses.signals}
     if guesses.time is not None:
