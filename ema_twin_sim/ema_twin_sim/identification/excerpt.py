@@ -39,23 +39,25 @@ def excerpt(problem: EquationErrorProblem) -> EquationErrorProblem:
 def _telling(o: Observation, duration: float, by_torque: bool) -> tuple[float, Observation]:
     """(reversals times share in motion, excerpt) of the best stretch of ``duration`` [own s]."""
     length = min(len(o.motion) - 1, round(duration / o.period))
+    if by_torque:  # play is crossed some time after a reversal
+        first, count = _most_reversals(o, length, round(PART * length))
+        return count, o.window(first, first + length)
     first, count = _most_reversals(o, length)
-    # without torque data, own seconds follow only from a typical speed
-    while not by_torque and count < MOST_TURNS // 2 and length < len(o.motion) - 1:
+    # without torque data, own seconds follow only from a typical speed: several reversals make a stretch long enough
+    while count < MOST_TURNS // 2 and length < len(o.motion) - 1:
         length = min(len(o.motion) - 1, 2 * length)
         first, count = _most_reversals(o, length)
     return count, o.window(first, first + length)
 
 
-def _most_reversals(o: Observation, length: int) -> tuple[int, float]:
+def _most_reversals(o: Observation, length: int, edge: int = 0) -> tuple[int, float]:
     """(first sample, reversals times share in motion) of the best stretch of this many samples.
 
     A reversal counts if encoder rows are judged before and after it: not while the output is in flight; and if it is
-    not close to either end: play is crossed some time after it.
+    at least ``edge`` samples from either end.
     """
     speed = o.motion[:, SPEED]
     turn = np.flatnonzero(np.diff(np.sign(speed[o.encoder_rows])) != 0)
-    edge = round(PART * length)
     until = np.searchsorted(o.encoder_rows[turn + 1], np.arange(length, len(speed) + 1) - edge)
     before = np.searchsorted(o.encoder_rows[turn], np.arange(len(speed) - length + 1) + edge)
     moving = np.concatenate([[0.0], np.cumsum(np.abs(speed) > STANDSTILL)])
