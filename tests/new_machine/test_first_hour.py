@@ -126,7 +126,9 @@ def test_a_trace_without_a_position_leads_to_no_command_that_refuses_it(tmp_path
     (tmp_path / "run.csv").write_text("\n".join(["time [s],current [A],speed setpoint [rad/s]", *rows]) + "\n")
     init.run(str(tmp_path / "m"), [tmp_path / "run.csv"])
     told = capsys.readouterr().out
-    assert "No motor position or speed was found: add its column to" in told and "nothing had to be guessed" not in told
+    assert (
+        "No motor position or speed was found: add its column to" in told and "no line to check, but a signal" in told
+    )
     assert "ema-twin info" in told and "ema-twin discover" not in told
 
 

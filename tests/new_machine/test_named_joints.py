@@ -126,7 +126,7 @@ def test_init_says_which_joint_it_took_and_marks_it(drafted):
     columns = trace("{joint}_{quantity}", apart(("left", "right"), "right"))
     draft = drafted(columns)
     said = "the columns of right, the joint with the largest motion; those of left are not used (to use another joint,"
-    assert f"Assumed: {said}" in draft.said and "nothing had to be guessed" not in draft.said.split("m.yaml")[0]
+    assert f"Assumed: {said}" in draft.said and "no line to check" not in draft.said.split("m.yaml")[0]
     assert f"# CHECK: {said}" in draft.map
 
 

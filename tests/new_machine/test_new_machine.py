@@ -87,7 +87,7 @@ def test_play_is_named_in_a_machine_of_which_no_constant_is_known(tmp_path):
         write_columns(tmp_path / f"{path.stem}.csv", {"time_s": run.time, **columns})
     traces = sorted(tmp_path.glob("*.csv"))
     told = done("init", traces[1], "-o", "own", "--gear-ratio", "124", cwd=tmp_path)
-    assert "own_map.yaml: nothing had to be guessed" in told.stdout
+    assert "own_map.yaml: no line to check" in told.stdout
     done("discover", *traces, "--map", "own_map.yaml", "--model", "own.yaml", "-o", "own_better.yaml", cwd=tmp_path)
     effects = yaml.safe_load((tmp_path / "own_better.yaml").read_text())["effects"]
     assert effects["backlash"]["parameters"]["width"] == pytest.approx(4e-3, rel=0.03)

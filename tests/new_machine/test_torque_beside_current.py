@@ -145,11 +145,11 @@ def dynamometer(torque="torque [Nm]", current="current [A]"):
 
 @pytest.mark.parametrize("current", ["current [A]", "motor current [A]"])
 def test_on_a_dynamometer_the_current_drives_and_the_torque_is_the_load(drafted, current):
-    """The current was dropped and the load's sensor taken for the drive, and nothing had to be guessed."""
+    """The current was dropped and the load's sensor taken for the drive, and no line to check."""
     draft = drafted(dynamometer(current=current))
     assert "\n  current: " in draft.map and "\n  motor_torque: " not in draft.map
     assert "# CHECK: taken for the load, measured behind the machine" in draft.line("load_torque")
-    assert "torque [Nm] → load_torque in N m" in draft.said and "nothing had to be guessed" not in draft.said
+    assert "torque [Nm] → load_torque in N m" in draft.said and "no line to check" not in draft.said
     assert "Assumed: torque [Nm]: taken for the load" in draft.said
 
 

@@ -26,7 +26,7 @@ def geared(output, column, command=(), current=CURRENT):
 @pytest.mark.parametrize(("column", "size"), [("output position [rad]", 1.0), ("output position [deg]", 360.0 / TURN)])
 @pytest.mark.parametrize("gear_ratio", [None, 4.0])
 def test_an_output_that_turns_against_the_motor_is_turned_round(tmp_path, drafted, read, way, column, size, gear_ratio):
-    """It was only said, beside 'nothing had to be guessed', and discover refused what init had written."""
+    """It was only said, beside 'no line to check', and discover refused what init had written."""
     draft = drafted(geared(way * size * ANGLE / 4.0, column), gear_ratio=gear_ratio)
     assert ("factor: -1}  # sign reversed: the output turns against the motor" in draft.map) == (way < 0.0)
     assert (f"{column} turned round" in draft.said) == (way < 0.0)

@@ -43,10 +43,10 @@ def after(lines, name):
 
 
 def test_of_a_model_without_a_mark_it_says_what_is_open(capsys):
-    """It said that nothing had to be guessed, though inertia and friction were."""
+    """It said that no line to check, though inertia and friction were."""
     lines, file = printed(capsys)
     assert after(lines, "m.yaml") == (OPEN, [])
-    assert after(lines, "m_map.yaml") == ("nothing had to be guessed", [])
+    assert after(lines, "m_map.yaml") == ("no line to check", [])
     init("n", [file], gear_ratio=1.0, import_map="m_map.yaml")
     assert after(capsys.readouterr().out.splitlines(), "n.yaml") == (OPEN, [])
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..new_machine.drafts import Drafts
 
 
-_NOTHING = {True: "nothing had to be guessed", False: "no line to check, but a signal is missing: see below"}
+_NOTHING = {True: "no line to check", False: "no line to check, but a signal is missing: see below"}
 _OPEN = "inertia and friction are open: start values only, which fit or discover replace"
 _MOST_REASONS = 4  # shown of one file
 _MOST_COLUMNS = 8  # shown of those with the same reason
