@@ -65,11 +65,13 @@ class TestOthersWorkers:
         with pytest.raises(InputError, match=f"--scheduler {ADDRESS}: has not answered for 10 min; end it"):
             _looks(watch, clock, 1.1 * PATIENCE)
 
-    def test_workers_that_come_back_in_time_end_nothing(self, others):
+    def test_workers_that_come_back_in_time_end_nothing(self, others, caplog):
+        """Each time that they are missing is told once."""
         clock = [0.0]
         watch = LostWorkers(others, lambda: clock[0])
         for others.workers in (0, 1, 0, 3, 0):
             _looks(watch, clock, 0.9 * PATIENCE)
+        assert ["has had no workers" in record.getMessage() for record in caplog.records] == [True] * 3
 
     def test_the_scheduler_is_not_asked_at_every_batch(self, others):
         clock = [0.0]
