@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from ..criteria import NEGLIGIBLE, NOISY, PART
+import numpy as np
+
+from ..criteria import DEPENDS, NEGLIGIBLE, NOISY, PART
 from ..effects import catalogue
+from ..identification.fit import Fit, fit
 from ..identification.hypothesis import COMPLIANT_EFFECTS
+from ..identification.unseen_encoders import parting_explained_where_unseen
 from ..model.roles import BRISTLE
 from .criteria.worth import ENCODER_ONLY
 from .search.trace import SWAPS, Search, new_names
@@ -18,8 +22,9 @@ def idle_effects(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]
 
     * Backlash or compliance that the encoders suggest but that removes little of the error there. In a loop with known
       constants it must remove more than it leaves: play and a shaft that winds up look alike to slow encoders.
-    * An error of an encoder that removes little of the output's error there, with known constants and rigid teeth: a
-      gearbox that rings, or gives way by less than can be named, gains as much from the encoders.
+    * An error of an encoder that removes little of the output's error there, with known constants and rigid teeth,
+      unless recordings that it was not fitted to show it between the encoders: a simulated output drifts, but a gearbox
+      that rings, or gives way by less than can be named, gains as much from the encoders of one recording.
     * A bristle that removes nothing there, since it acts only in the first moments of a motion.
     * With open constants: any effect on the torque that removes nothing there, or beside the noise adds to the error;
       and all that came after an error which was smaller than that of the end.
@@ -70,7 +75,17 @@ def _encoder_errors(found: Search, unseen: Unseen, k: int) -> tuple[str, ...]:
     came = tuple(n for n in new_names(turn.before, turn.after) if n in added and added[n].effect in ENCODER_ONLY)
     if not came or f.hypothesis.base.is_open or f.parted or not unseen.output:
         return ()
-    return came if unseen.output_removed(*_judged_over(found, unseen, k)) < PART else ()
+    shown = unseen.output_removed(*_judged_over(found, unseen, k)) >= PART or _other_recordings_show(f, came)
+    return () if shown else came
+
+
+def _other_recordings_show(f: Fit, errors: Collection[str]) -> bool:
+    """Whether the errors of an encoder explain most recordings with the size that the others tell, beyond chance."""
+    bare = f.hypothesis
+    for name in errors:
+        bare = bare.without(name)
+    gained = parting_explained_where_unseen(fit(f.problem, bare, known=f), f)
+    return len(gained) > 1 and float(gained.sum()) > DEPENDS and np.count_nonzero(gained > 0.0) > 0.5 * len(gained)
 
 
 def _since_the_best(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]) -> tuple[str, ...]:

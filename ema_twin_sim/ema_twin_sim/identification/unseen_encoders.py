@@ -20,3 +20,14 @@ def parting(problem: EquationErrorProblem, residual: np.ndarray) -> float:
     """RMS [rad, slow shaft] of the encoder difference in a residual (m,)."""
     left = residual[problem.size :] * problem.encoder_noise
     return math.sqrt(float(left @ left) / len(left))
+
+
+def parting_explained_where_unseen(bare: Fit, f: Fit) -> np.ndarray:
+    """By recording with encoder rows: what ``f`` explains of the encoder difference beyond ``bare``.
+
+    Each recording is predicted with parameters from the others. In units of the noise that ``f`` leaves.
+    """
+    problem = f.problem
+    before, after = (problem.costs(held_out(problem, one)[1]) for one in (bare, f))
+    gained = (before - after) / f.variance_inflations[1]
+    return np.array([gained[part].sum() for part in problem.encoder_parts if part.stop > part.start])
