@@ -1,5 +1,6 @@
 """A machine told in its own units: mechanics is covariant, so a similar machine gets the same answer, scaled."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -82,6 +83,14 @@ def test_every_unit_of_a_constant_or_parameter_is_known():
     used = {c.unit for c in CONSTANTS.values()} | {p.unit for e in catalogue().values() for p in e.parameters}
     odd = OwnUnits(2.0, 3.0, 5.0)
     assert {unit for unit in used if odd.factor(unit) == 1.0} <= plain | lengths
+
+
+def test_every_power_in_a_unit_is_whole():
+    """A root in a unit would be read as a whole power, and the effect would be of another size on other machines."""
+    units = {f"{id}.{p.name}": p.unit for id, effect in catalogue().items() for p in effect.parameters}
+    units |= {path: constant.unit for path, constant in CONSTANTS.items()}
+    odd = {where: unit for where, unit in units.items() if re.search(r"[()]|\^(?!\d+(?:[ /]|$))", unit)}
+    assert odd == {}, "give whole powers only (N m s^2/rad^2): a root is read as another unit"
 
 
 def test_a_twin_of_the_similar_machine_makes_the_similar_motion(stock, runs):

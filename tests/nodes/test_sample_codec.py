@@ -21,7 +21,8 @@ def test_fields_are_the_signals_of_a_recording_and_the_origins():
     names = list(EmaState.get_fields_and_field_types())
     assert names[:3] == ["header", "run", "sequence"]
     assert tuple(names[3:]) == FIELDS
-    assert set(FIELDS) == {*SIGNALS, "motor_angle_origin", "output_angle_origin"}
+    told = "EmaState.msg and units.py differ, or `make setup` is to be run"
+    assert set(FIELDS) == {*SIGNALS, "motor_angle_origin", "output_angle_origin"}, told
 
 
 @given(stamps, st.integers(0, 2**32 - 1), st.integers(0, 2**64 - 1), st.dictionaries(st.sampled_from(FIELDS), floats))

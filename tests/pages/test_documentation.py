@@ -50,7 +50,8 @@ def test_the_readme_names_every_target_of_make_and_every_verb():
     assert {*targets} - {word for pair in named for word in pair} == {"help"}
     rows = " ".join(re.findall(r"^\| (`.*?) \|", README.partition("| command | does |")[2], re.MULTILINE))
     verbs = set(VERBS)
-    assert {verb for verb in verbs if not re.search(rf"`{verb}[ `]", rows)} == set()
+    missing = {verb for verb in verbs if not re.search(rf"`{verb}[ `]", rows)}
+    assert missing == set(), "add a row to README's table of commands"
 
 
 def test_pages_count_the_effects_of_the_catalogue():

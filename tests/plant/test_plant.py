@@ -213,7 +213,9 @@ def test_the_default_step_is_converged(stock, effects, command):
     chosen = errors(25e-6)
     for step in (6.25e-6, 12.5e-6, 125e-6 / 3, 50e-6):
         for name, rmse in errors(step).items():
-            assert rmse == pytest.approx(chosen[name], rel=0.01, nan_ok=True), (name, step)
+            assert rmse == pytest.approx(chosen[name], rel=0.01, nan_ok=True), (
+                f"{name} changes with a step of {step:g} s: does it jump?"
+            )
 
 
 @pytest.mark.parametrize(("first", "unknown"), [(0.0, ()), (0.6, ()), (0.0, ("motor_position",))])
