@@ -23,6 +23,7 @@ class Verdict:
     first: bool  # the first effect added is a hidden one
     wrong: tuple[str, ...]  # added, not hidden, and in no reported group with a hidden one
     seconds: float
+    undecided: bool = False  # not found, but all that is hidden is named or in a group with what is, and nothing wrong
     removed: float = math.nan  # share of the excess current error that went away on the held-out recordings
     errors: Mapping[str, float] = field(default_factory=dict)  # relative error by effect.parameter
     within: Mapping[str, bool] = field(default_factory=dict)  # truth within three reported standard errors
@@ -69,7 +70,9 @@ def judge(case: Case, answer: Mapping[str, Any], seconds: float, removed: float 
     else:
         found = named == expected and said in {"explained"} | also_right
         first = bool(added) and added[0] in real
+    told = named | {id for group in answer.get("groups", ()) if set(group) & named for id in group}
     grouped = {id for group in answer.get("groups", ()) if set(group) & real for id in group}
+    wrong = tuple(sorted(set(added) - real - grouped))
     errors, within = _parameters(case, answer)
     return Verdict(
         case=case.name,
@@ -79,8 +82,9 @@ def judge(case: Case, answer: Mapping[str, Any], seconds: float, removed: float 
         verdict=said,
         found=found,
         first=first,
-        wrong=tuple(sorted(set(added) - real - grouped)),
+        wrong=wrong,
         seconds=seconds,
+        undecided=not found and bool(expected) and expected <= told and not wrong,
         removed=removed,
         errors=errors,
         within=within,

@@ -7,6 +7,11 @@ import pytest
 
 from ema_twin_sim.discovery.idle_effects import idle_effects
 from ema_twin_sim.discovery.unseen import Unseen
+from ema_twin_sim.identification.equation import EquationErrorProblem
+from ema_twin_sim.identification.fit import fit
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
+from ema_twin_sim.measured.observe import observe_all
+from tests.recorded import COMMANDS, record
 
 FLOOR = 1.0
 
@@ -117,10 +122,26 @@ def test_backlash_is_judged_by_what_was_there_when_it_came():
 
 
 @pytest.mark.parametrize(("output", "idle"), [((1.0, 0.95), ("encoder_delay",)), ((1.0, 0.2), ())])
-def test_an_encoders_error_shows_in_the_output(output, idle):
+def test_an_encoders_error_in_one_recording_shows_in_the_output(output, idle):
     found = searched("encoder_delay", is_open=False)
     found.fit.parted = False
+    found.fit.problem = SimpleNamespace(observations=(None,))
     assert idle_effects(found, replace(seen(1.2, 1.2), output=output)) == (idle, False)
+
+
+@pytest.mark.parametrize(("runs", "delay", "idle"), [
+    (COMMANDS, 3e-4, ()),
+    (COMMANDS, 0.0, ("encoder_delay",)),  # nothing is late
+    (COMMANDS[:1], 3e-4, ("encoder_delay",)),  # no other recording tells it
+])  # fmt: skip
+def test_an_encoders_error_that_other_recordings_tell_stands(stock, runs, delay, idle):
+    bench = stock.with_effect("encoder_delay", {"delay": delay})
+    problem = EquationErrorProblem(observe_all(record(bench, runs), stock))
+    bare = fit(problem, null_hypothesis(stock))
+    late = fit(problem, bare.hypothesis.with_effect("encoder_delay", {}, {"delay": 1e-4}))
+    turn = SimpleNamespace(before=bare, after=late, added=("encoder_delay",), reason="")
+    found = SimpleNamespace(fit=late, taken=[turn], rounds=[turn])
+    assert idle_effects(found, replace(seen(1.2, 1.2), output=(1.0, 0.95))) == (idle, False)
 
 
 def test_beside_play_an_encoders_error_is_not_judged_by_it():

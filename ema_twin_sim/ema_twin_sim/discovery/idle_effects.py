@@ -81,11 +81,13 @@ def _encoder_errors(found: Search, unseen: Unseen, k: int) -> tuple[str, ...]:
 
 def _other_recordings_show(f: Fit, errors: Collection[str]) -> bool:
     """Whether the errors of an encoder explain most recordings with the size that the others tell, beyond chance."""
+    if len(f.problem.observations) < 2:
+        return False
     bare = f.hypothesis
     for name in errors:
         bare = bare.without(name)
     gained = parting_explained_where_unseen(fit(f.problem, bare, known=f), f)
-    return len(gained) > 1 and float(gained.sum()) > DEPENDS and np.count_nonzero(gained > 0.0) > 0.5 * len(gained)
+    return bool(gained.sum() > DEPENDS and np.count_nonzero(gained > 0.0) > 0.5 * len(gained))
 
 
 def _since_the_best(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]) -> tuple[str, ...]:

@@ -41,6 +41,7 @@ _POWERS = {
 }
 """For each part of a rotary unit, the powers of radius, time, torque and current that convert own to native values.
 Volts follow from power: V A = N m / s. Other parts are not scaled."""
+_UNSCALED = ("1", "K", "count")
 ORDER_UNIT = "1/rev"  # of a linear machine, in cycles per metre
 ORDER_DIGITS = 12  # of an order in own units, more than any recording tells
 _PART = re.compile(r"(/)|(N m|kg m\^2|[^\s/^]+)(?:\^(\d+))?")
@@ -58,6 +59,12 @@ def _powers(unit: str) -> tuple[int, ...]:
             of_part = _POWERS.get(part, (0, 0, 0, 0))
             total = tuple(a + sign * int(times or 1) * b for a, b in zip(total, of_part, strict=True))
     return total
+
+
+def is_scalable(unit: str) -> bool:
+    """Whether a rotary unit is made of known parts with whole powers: only then can its values be converted."""
+    parts = [part for slash, part, _ in _PART.findall(unit) if not slash]
+    return not _PART.sub("", unit).strip() and {*parts} <= {*_POWERS, *_UNSCALED}
 
 
 @dataclass(frozen=True)

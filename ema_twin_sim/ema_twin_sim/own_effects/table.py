@@ -11,6 +11,7 @@ from pathlib import Path
 from ema_bench_replay.errors import InputError
 
 from ..effects.effect import Effect, Parameter
+from ..model.own_units import is_scalable
 
 _NAME = r"[a-z][a-z0-9]*(_[a-z0-9]+)*"
 _NAMING = "use small letters, digits and single underscores"
@@ -59,6 +60,9 @@ def _checked_parameter(check: _Check, parameter: object, number: int) -> Paramet
         raise check.error(f"{place}.name", "'enabled' is the effect's switch", "choose another name")
     place = f"EFFECT.parameters.{parameter.name}"
     check.text(parameter.unit, f"{place}.unit", "give a unit, '1' for none")
+    if not is_scalable(parameter.unit):
+        remedy = "give a product of N m, kg m^2, rad, s, A, V or K with whole powers, as N m s/rad, or '1' for none"
+        raise check.error(f"{place}.unit", f"'{parameter.unit}' cannot be converted to other machines", remedy)
     check.text(parameter.description, f"{place}.description")
     lower, upper = (check.bound(getattr(parameter, name), f"{place}.{name}") for name in ("lower", "upper"))
     if not lower < upper:
