@@ -112,3 +112,15 @@ def test_what_depends_on_the_time_beside_both_is_no_obstacle(stock):
     columns = beside.generic_bases["time#0"].shape[1]
     spring, gravity = (fit(beside, trial.fit.hypothesis.with_generic_basis("time#0", columns)) for trial in turn.tried)
     assert separation(beside_its_wander(spring), gravity) < DECIDED
+
+
+@pytest.mark.parametrize("angle", [0.1, 0.4])
+@pytest.mark.parametrize(("amplitude", "told"), [(0.05, False), (0.2, False), (1.2, True)])
+def test_an_arm_is_compared_with_a_spring_at_an_angle_of_its_own(stock, amplitude, angle, told):
+    """From one place, rounds try springs relaxed there alone; over a part of a turn an arm is one relaxed elsewhere."""
+    arm = ("gravity_load", {"torque": 0.1, "angle": angle})
+    found = searched(swinging(stock, arm, amplitude), stock, arm, ("spring_load", {"stiffness": 0.1}))
+    _, (rivalry,) = judged_against_rivals(found)
+    assert rivalry.group == ((GRAVITY[0],) if told else (GRAVITY[0], SPRING[0]))
+    own = next(f for f in rivalry.fits if f.hypothesis.added["spring_load"].options["relaxed"] == "angle")
+    assert own.hypothesis.by_path["effects.spring_load.angle"] == pytest.approx(-angle, abs=0.1)

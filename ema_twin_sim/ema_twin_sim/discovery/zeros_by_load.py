@@ -78,7 +78,7 @@ def zeros_by_load(f: Fit) -> dict[str, float]:
     if len(f.problem.observations) < 2 or loads_of(f.hypothesis.base) or not _may_tell(f):
         return {}
     columns = _Columns(f)
-    loads, steady = _loads(f.hypothesis.base), _steady_loads()
+    loads, steady = loads_at_an_angle(f.hypothesis.base), _steady_loads()
     every = [*steady, *(one for load in loads for one in load.two)]
     arms = [one for load in loads if load.angle.periodic for one in load.two]
     at_one_zero = min(columns.left(together=every), columns.left(apart=steady))
@@ -95,7 +95,7 @@ def zeros_by_load(f: Fit) -> dict[str, float]:
 def zeros_by_known_load(f: Fit, model: Model) -> dict[str, float]:
     """The same for a ``model`` with one such load, where its own angle is; ``f`` is the fit without it."""
     held = [model.effects[name] for name in loads_of(model)]
-    loads = [load for load in _loads(model) if held and load.is_of(held[0])]
+    loads = [load for load in loads_at_an_angle(model) if held and load.is_of(held[0])]
     if len(held) != 1 or not loads or not _may_tell(f):
         return {}
     (load,), (instance,) = loads, held
@@ -117,7 +117,7 @@ def loads_of(model: Model) -> list[str]:
     return [name for name, held in model.active.items() if held.effect in of_load and acts_at_an_angle(held)]
 
 
-def _loads(model: Model) -> list[Load]:
+def loads_at_an_angle(model: Model) -> list[Load]:
     """The loads at an angle that a machine may have."""
     found = []
     for id in sorted(effects_with(Trait.LOAD)):

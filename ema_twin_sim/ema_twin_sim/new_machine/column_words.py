@@ -8,7 +8,7 @@ from __future__ import annotations
 STEMS: dict[str, str] = {
     "time": r"time|zeit|^temps$|^tempo$|^tiempo",
     "temperature": r"^temp",
-    "torque": r"torque|moment(?!um)|force|kraft|^(set|ref|cmd|act|meas)?trq|^tau$|effort|^couple|^coppia|^par$|^forza$"
+    "torque": r"torque|moment(?!um)|force|kraft|^(set|ref|cmd|act|meas)?(trq|tor$)|^tau$|effort|^couple|^coppia|^par$|^forza$"
     r"|^fuerza$",
     "current": r"current|strom|^amps?$|^(set|ref|cmd|act|meas|mot)?curr?$|^strm$|^courant|^corr?iente|^corrente",
     "voltage": r"volt|spannung",

@@ -20,6 +20,7 @@ from ...identification.unseen_encoders import parting_where_unseen
 from ...model.roles import PLAY
 from ..criteria.plausible import uncertain
 from ..criteria.worth import ENCODER_ONLY, does_nothing, is_lacked, largest_rms_reduction, penalised_gain
+from ..zeros_by_load import loads_at_an_angle, loads_of
 from .adding import add_effects, prune, with_screened
 from .trace import BEATEN, SIMPLER, UNCERTAIN, Round, Search, Trial, new_names
 
@@ -179,14 +180,29 @@ def _hardly_differ(leader: _Leader, rival: Fit, effect: str) -> bool:
 
 
 def substitutes(best: Fit, name: str, turn: Round) -> list[Fit]:
-    """The end of the search with an effect replaced by each that was close to it in its round."""
+    """The end of the search with an effect replaced by each that was close to it in its round.
+
+    A load at an angle of its own is replaced by the others at an angle of theirs too, which the round did not try: over
+    a part of a turn, an arm acts as a spring that is relaxed where the arm hangs, wherever the recordings start.
+    """
     winner = max(trial.gain for trial in turn.tried if name in trial.names)
-    effect = best.hypothesis.added[name].effect
-    return [
-        fit(best.problem, h, 8, known=best)
+    replaced = best.hypothesis.added[name]
+    near = [
+        h
         for other, h in came_near(best.hypothesis, name, turn, 0.5 * winner)
-        if not ENCODER_ONLY & {effect, other}  # an effect that does not show in the torque cannot replace one that does
+        if not ENCODER_ONLY & {replaced.effect, other}  # what does not show in the torque replaces nothing that does
     ]
+    if name in loads_of(best.hypothesis.model()):
+        near += _other_loads(best.hypothesis.without(name), replaced.effect)
+    return [fit(best.problem, h, 8, known=best) for h in near]
+
+
+def _other_loads(bare: Hypothesis, effect: str) -> Iterator[Hypothesis]:
+    """The hypothesis with each load at an angle of its own, but for those of an ``effect``."""
+    for load in loads_at_an_angle(bare.base):
+        id = load.effect.id
+        if id != effect and id not in bare.effects and addable(bare, id):
+            yield bare.with_effect(id, load.options, {})
 
 
 def came_near(best: Hypothesis, name: str, turn: Round, least: float) -> Iterator[tuple[str, Hypothesis]]:
