@@ -270,7 +270,9 @@ class RowReader:
         None are left out that alone hold a column's numbers. Raises InputError if a needed column stays empty there.
         """
         count = len(rows)
-        between = {column: range(empty_first.get(column, 0), count - empty_last.get(column, 0)) for column in self.judged}
+        between = {
+            column: range(empty_first.get(column, 0), count - empty_last.get(column, 0)) for column in self.judged
+        }
         full = {
             column: kept
             for column, kept in between.items()

@@ -113,8 +113,12 @@ def zeros_by_known_load(f: Fit, model: Model) -> dict[str, float]:
 
 def loads_of(model: Model) -> list[str]:
     """The loads of a model that act at an angle of the output."""
-    of_load = effects_with(Trait.LOAD)
-    return [name for name, held in model.active.items() if held.effect in of_load and acts_at_an_angle(held)]
+    return [name for name, held in model.active.items() if is_load_at_an_angle(held)]
+
+
+def is_load_at_an_angle(instance: EffectInstance) -> bool:
+    """Whether an effect is such a load."""
+    return instance.effect in effects_with(Trait.LOAD) and acts_at_an_angle(instance)
 
 
 def loads_at_an_angle(model: Model) -> list[Load]:

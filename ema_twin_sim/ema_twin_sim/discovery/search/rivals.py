@@ -20,7 +20,7 @@ from ...identification.unseen_encoders import parting_where_unseen
 from ...model.roles import PLAY
 from ..criteria.plausible import uncertain
 from ..criteria.worth import ENCODER_ONLY, does_nothing, is_lacked, largest_rms_reduction, penalised_gain
-from ..zeros_by_load import loads_at_an_angle, loads_of
+from ..zeros_by_load import is_load_at_an_angle, loads_at_an_angle
 from .adding import add_effects, prune, with_screened
 from .trace import BEATEN, SIMPLER, UNCERTAIN, Round, Search, Trial, new_names
 
@@ -77,7 +77,8 @@ def _with_a_rival(found: Search, rivals: Iterable[Rivalry], *, beside_unknown: b
     beaten = [
         rivalry
         for rivalry in rivals
-        if rivalry.behind <= -_needed(found, rivalry)
+        if rivalry.fits
+        and rivalry.behind <= -_needed(found, rivalry)
         and not _farther(found.fit, rivalry.fits[0])
         and not (beside_unknown and _hardly_differ(_Leader(rivalry.fits[0]), found.fit, rivalry.effect))
         and _lasts(found.fit, rivalry.fits[0])
@@ -102,12 +103,16 @@ def _lasts(best: Fit, rival: Fit) -> bool:
 
 
 def _needed(found: Search, rivalry: Rivalry) -> float:
-    """By how much a rival must be better to replace an effect: by a clear margin if every machine has that effect.
+    """By how much a rival must be better to replace an effect.
 
-    Without a reversal, friction looks like a constant load except for chance, and the model would be left without
-    friction.
+    By a clear margin if every machine has that effect: without a reversal, friction looks like a constant load except
+    for chance, and the model would be left without friction. Likewise between loads at angles of their own, which are
+    alike over a part of a turn: there chance alone would choose.
     """
-    return RIVAL_MARGIN if is_lacked(found.fit.hypothesis, rivalry.effect) else 1.0
+    held = {instance.effect: instance for instance in found.fit.hypothesis.added.values()}
+    came = [*rivalry.fits[0].hypothesis.added.values()][-1]
+    alike = all(map(is_load_at_an_angle, (held[rivalry.effect], came)))
+    return RIVAL_MARGIN if alike or is_lacked(found.fit.hypothesis, rivalry.effect) else 1.0
 
 
 def with_displaced(before: Search, other: Search) -> Search:
@@ -192,7 +197,7 @@ def substitutes(best: Fit, name: str, turn: Round) -> list[Fit]:
         for other, h in came_near(best.hypothesis, name, turn, 0.5 * winner)
         if not ENCODER_ONLY & {replaced.effect, other}  # what does not show in the torque replaces nothing that does
     ]
-    if name in loads_of(best.hypothesis.model()):
+    if is_load_at_an_angle(replaced):
         near += _other_loads(best.hypothesis.without(name), replaced.effect)
     return [fit(best.problem, h, 8, known=best) for h in near]
 
