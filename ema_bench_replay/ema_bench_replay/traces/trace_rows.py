@@ -53,7 +53,7 @@ class RowReader:
         self.first: list[int] = []  # the first rows, counted likewise, that are left out since they lack numbers
         self.written_delimiter = delimiter or next((mark for mark in (";", "\t", ",") if mark in header), ";")
         cells = [with_marks_shown(cell.strip().strip('"').strip()) for cell in header.split(self.written_delimiter)]
-        self.trailing = len(cells) > 1 and not cells[-1]
+        self.trailing = len(cells) > 1 and not cells[-1] and not self._fills(body, len(cells))
         self.header = cells[:-1] if self.trailing else cells
         self.needed = sorted(needed(self.header))
         self.judged = self.needed or range(len(self.header))  # columns whose numbers a row at an end may lack
@@ -66,6 +66,13 @@ class RowReader:
         self.format = self._format(sample, number_format)
         self.grouped = self.format.thousands.encode() in sample and self.delimiter != self.format.thousands
         self.decimals = self._decimals(sample)
+
+    def _fills(self, body: bytes, count: int) -> bool:
+        """Whether a row fills the last of ``count`` cells, below an empty name: notes beside a table, as in Excel."""
+        mark = self.written_delimiter.encode()
+        if body.count(mark + b"\n") + body.count(mark + b"\r\n") == body.count(b"\n"):
+            return False
+        return any(len(cells := row.split(mark)) == count and cells[-1].strip() for row in body.splitlines())
 
     def style(self, newline: str) -> Style:
         """How the rows read so far are written; ``newline`` ends them."""

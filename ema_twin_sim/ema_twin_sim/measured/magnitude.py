@@ -66,8 +66,8 @@ def looks_like_a_magnitude(moving: Moving | None, values: np.ndarray) -> bool:
 
 
 def near_zero(values: np.ndarray, usual: float) -> bool:
-    """Whether a signal (n,) gets near zero, beside its ``usual`` size in motion."""
-    return bool(np.nanquantile(values, 1.0 - ALL_BUT_SPIKES) < PART * usual)
+    """Whether a signal (n,) gets near zero, beside its ``usual`` size in motion, which may be zero in short moves."""
+    return bool(np.nanquantile(values, 1.0 - ALL_BUT_SPIKES) <= PART * usual)
 
 
 def both_ways(speed: np.ndarray) -> bool:
