@@ -65,10 +65,11 @@ def _by_speed(problem: EquationErrorProblem) -> dict[str, np.ndarray]:
         return {}
     hats = [hat_columns(np.abs(o.motion[:, SPEED]), knots) for o in problem.observations]
     sense = [np.sign(o.motion[:, SPEED])[:, None] for o in problem.observations]
-    return {
-        "speed": at_rows(problem, [h * s for h, s in zip(hats, sense, strict=True)]),
-        "direction": at_rows(problem, hats),
-    }
+    found = {"speed": at_rows(problem, [h * s for h, s in zip(hats, sense, strict=True)])}
+    ways = np.concatenate([s[o.rows] for s, o in zip(sense, problem.observations, strict=True)])
+    if ways.min() < 0.0 < ways.max():  # in one direction both are the same
+        found["direction"] = at_rows(problem, hats)
+    return found
 
 
 def _by_position(problem: EquationErrorProblem) -> dict[str, np.ndarray]:
