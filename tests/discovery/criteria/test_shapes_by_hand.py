@@ -367,12 +367,11 @@ class TestLikeness:
         ("cogging", "12", "order"),
         ("cogging", "0.5", "order"),  # of a gearbox: the output turns once in many of the motor
         ("cogging", "0.001", "output_position"),
-        ("output_ripple", "1", "order"),
-        ("output_ripple", "0.2", "output_position"),
+        ("stribeck_friction", "", "speed"),
     ],
 )
 def test_a_wave_slower_than_the_output_is_a_shape_over_its_position(effect, order, over, stock):
     """A load that rests on the floor over a part of the way was named a wave of a fifth of a cycle per turn."""
-    h = null_hypothesis(stock).with_effect(effect, {"order": order}, {"torque": 0.01})
+    h = null_hypothesis(stock).with_effect(effect, {"order": order} if order else {}, {"torque": 0.01})
     (name,) = h.added
     assert shape_over(SimpleNamespace(hypothesis=h), name) == over

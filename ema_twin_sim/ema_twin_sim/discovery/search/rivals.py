@@ -109,9 +109,9 @@ def _needed(found: Search, rivalry: Rivalry) -> float:
     for chance, and the model would be left without friction. Likewise between loads at angles of their own, which are
     alike over a part of a turn: there chance alone would choose.
     """
-    held = {instance.effect: instance for instance in found.fit.hypothesis.added.values()}
     came = [*rivalry.fits[0].hypothesis.added.values()][-1]
-    alike = all(map(is_load_at_an_angle, (held[rivalry.effect], came)))
+    held = [instance for instance in found.fit.hypothesis.added.values() if instance.effect == rivalry.effect]
+    alike = bool(held) and all(map(is_load_at_an_angle, (*held, came)))
     return RIVAL_MARGIN if alike or is_lacked(found.fit.hypothesis, rivalry.effect) else 1.0
 
 
