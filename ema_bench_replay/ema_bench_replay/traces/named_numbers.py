@@ -6,6 +6,7 @@ The names become the header, and tabs stand between the numbers, so that the oth
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 
 MOST_LINES = 200
 """Lines among which the first such row must be."""
@@ -23,7 +24,7 @@ def named_numbers(block: bytes) -> tuple[bytes, Names] | None:
     """
     lines = block.split(b"\n")
     rows = [(k, *found) for k, line in enumerate(lines[:MOST_LINES]) if (found := _pairs(line)) is not None]
-    for (k, names, _), (after, others, _) in zip(rows, rows[1:], strict=False):
+    for (k, names, _), (after, others, _) in pairwise(rows):
         if names == others and len(names) > 1 and not b"".join(lines[k + 1 : after]).strip():
             below = without_names(b"\n".join(lines[k:]), names)
             return b"\n".join([*lines[:k], b"\t".join(names), below]), names
