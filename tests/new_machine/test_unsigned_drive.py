@@ -189,3 +189,19 @@ def test_short_moves_with_long_rests_tell_a_magnitude_too():
     run = Recording("r", np.rint(time * 1e9).astype(np.int64), {"motor_position": position, "current": drive})
     assert np.median(drive) == 0.0 and drive.min() == 0.0
     assert unsigned_signals([run]) == {"current"}
+
+
+@pytest.mark.parametrize("dry", [0.2, 1.0])
+def test_the_noise_of_a_magnitude_goes_below_zero_where_the_machine_rests(dry, drafted):
+    """An analog sensor of a servo's supply current: its noise made it a current with a sign, and that a load."""
+    moves = np.where(np.sin(2.0 * TIME) > 0.5, 1.0, 0.0) - np.where(np.sin(2.0 * TIME) < -0.5, 1.0, 0.0)
+    speed = 20.0 * np.convolve(moves, np.ones(50) / 50.0, "same")
+    true = current(speed, 0.0, dry)
+    noise = 0.05 * np.random.default_rng(7).normal(size=len(TIME))
+    magnitude = np.abs(true) * (speed != 0.0) + noise
+    assert ((magnitude[1:] < 0.0) & (magnitude[:-1] < 0.0)).any()
+    assert unsigned_signals([recorded(speed, magnitude, motion="motor_position")]) == {"current"}
+    assert not unsigned_signals([recorded(speed, true + noise, motion="motor_position")])
+    way = np.cumsum(speed) * 2e-3
+    draft = drafted({"time [s]": TIME, "motor position [rad]": way, "current [A]": magnitude})
+    assert "never negative but by its noise, so it looks like a magnitude" in draft.said
