@@ -5,6 +5,7 @@ import math
 import pytest
 
 from ema_twin_sim.criteria import DECIDED
+from ema_twin_sim.discovery.search import rivals
 from ema_twin_sim.discovery.search.adding import settle, trial_of
 from ema_twin_sim.discovery.search.removing import less
 from ema_twin_sim.discovery.search.rivals import Rivalry, came_near, judged_against_rivals, swapped, undecided
@@ -124,3 +125,11 @@ def test_an_arm_is_compared_with_a_spring_at_an_angle_of_its_own(stock, amplitud
     assert rivalry.group == ((GRAVITY[0],) if told else (GRAVITY[0], SPRING[0]))
     own = next(f for f in rivalry.fits if f.hypothesis.added["spring_load"].options["relaxed"] == "angle")
     assert own.hypothesis.by_path["effects.spring_load.angle"] == pytest.approx(-angle, abs=0.1)
+
+
+def test_a_simpler_load_that_would_cancel_another_takes_no_place(stock, monkeypatch):
+    """A leg's load over its way was an arm of 13 N m and a constant load of -10, each of which is none of its own."""
+    found = searched(swinging(stock, SPRING, 0.1), stock, GRAVITY, SPRING)
+    monkeypatch.setattr(rivals, "opposed", lambda f: next((n for n in f.hypothesis.added if n == "spring_load"), None))
+    end, _ = judged_against_rivals(found, beside_unknown=True)
+    assert [*end.fit.hypothesis.added] == ["gravity_load"]

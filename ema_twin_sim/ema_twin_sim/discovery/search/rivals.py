@@ -18,6 +18,7 @@ from ...identification.screening import screen
 from ...identification.separation import beside_its_wander, encoders_tell_apart, separation
 from ...identification.unseen_encoders import parting_where_unseen
 from ...model.roles import PLAY
+from ..criteria.opposed_loads import opposed
 from ..criteria.plausible import uncertain
 from ..criteria.worth import ENCODER_ONLY, does_nothing, is_lacked, largest_rms_reduction, penalised_gain
 from ..zeros_by_load import is_load_at_an_angle, loads_at_an_angle
@@ -90,6 +91,8 @@ def _with_a_rival(found: Search, rivals: Iterable[Rivalry], *, beside_unknown: b
     for rivalry in rivals if beside_unknown else ():
         for rival in _simpler(found.fit, rivalry):
             other = swapped(found, rival, SIMPLER)
+            if opposed(other.fit) and not opposed(found.fit):
+                continue  # two loads that cancel each other are a shape that neither of them is
             if {*new_names(found.fit, rival)} <= {*other.fit.hypothesis.added}:
                 return other
     return None
