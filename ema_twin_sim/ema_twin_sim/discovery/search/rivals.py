@@ -18,10 +18,10 @@ from ...identification.screening import screen
 from ...identification.separation import beside_its_wander, encoders_tell_apart, separation
 from ...identification.unseen_encoders import parting_where_unseen
 from ...model.roles import PLAY
+from ..criteria.loads_at_an_angle import is_load_at_an_angle, loads_at_an_angle
 from ..criteria.opposed_loads import opposed
 from ..criteria.plausible import uncertain
 from ..criteria.worth import ENCODER_ONLY, does_nothing, is_lacked, largest_rms_reduction, penalised_gain
-from ..zeros_by_load import is_load_at_an_angle, loads_at_an_angle
 from .adding import add_effects, prune, with_screened
 from .trace import BEATEN, SIMPLER, UNCERTAIN, Round, Search, Trial, new_names
 
