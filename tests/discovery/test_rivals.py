@@ -5,6 +5,7 @@ import math
 import pytest
 
 from ema_twin_sim.criteria import DECIDED
+from ema_twin_sim.discovery.search import rivals
 from ema_twin_sim.discovery.search.adding import settle, trial_of
 from ema_twin_sim.discovery.search.removing import less
 from ema_twin_sim.discovery.search.rivals import Rivalry, came_near, judged_against_rivals, swapped, undecided
@@ -112,3 +113,23 @@ def test_what_depends_on_the_time_beside_both_is_no_obstacle(stock):
     columns = beside.generic_bases["time#0"].shape[1]
     spring, gravity = (fit(beside, trial.fit.hypothesis.with_generic_basis("time#0", columns)) for trial in turn.tried)
     assert separation(beside_its_wander(spring), gravity) < DECIDED
+
+
+@pytest.mark.parametrize("angle", [0.1, 0.4])
+@pytest.mark.parametrize(("amplitude", "told"), [(0.05, False), (0.2, False), (1.2, True)])
+def test_an_arm_is_compared_with_a_spring_at_an_angle_of_its_own(stock, amplitude, angle, told):
+    """From one place, rounds try springs relaxed there alone; over a part of a turn an arm is one relaxed elsewhere."""
+    arm = ("gravity_load", {"torque": 0.1, "angle": angle})
+    found = searched(swinging(stock, arm, amplitude), stock, arm, ("spring_load", {"stiffness": 0.1}))
+    _, (rivalry,) = judged_against_rivals(found)
+    assert rivalry.group == ((GRAVITY[0],) if told else (GRAVITY[0], SPRING[0]))
+    own = next(f for f in rivalry.fits if f.hypothesis.added["spring_load"].options["relaxed"] == "angle")
+    assert own.hypothesis.by_path["effects.spring_load.angle"] == pytest.approx(-angle, abs=0.1)
+
+
+def test_a_simpler_load_that_would_cancel_another_takes_no_place(stock, monkeypatch):
+    """A leg's load over its way was an arm of 13 N m and a constant load of -10, each of which is none of its own."""
+    found = searched(swinging(stock, SPRING, 0.1), stock, GRAVITY, SPRING)
+    monkeypatch.setattr(rivals, "opposed", lambda f: next((n for n in f.hypothesis.added if n == "spring_load"), None))
+    end, _ = judged_against_rivals(found, beside_unknown=True)
+    assert [*end.fit.hypothesis.added] == ["gravity_load"]

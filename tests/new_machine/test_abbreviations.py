@@ -20,7 +20,7 @@ def signals(*header):
         ("CURR CURR_M1 currLeft MotCurr motor_curr AMPS_1 iq i_q iq1 Strm", "current"),
         ("VEL vel1 spdR SPD_left velLeft", "speed"),
         ("POS pos1 posR POS_left curr_pos Current_Position cur_pos_1", "motor_position"),
-        ("trq TRQ1 trqLeft tau1 tauR TQ_1 tq_left", "motor_torque"),
+        ("trq TRQ1 trqLeft tau1 tauR TQ_1 tq_left tor MotorFbTor ActTor tor_fb", "motor_torque"),
         ("curr_vel CurrentSpeed", "speed"),
     ],
 )

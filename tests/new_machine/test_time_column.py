@@ -96,3 +96,21 @@ def test_alone_it_is_the_clock(name):
 def test_a_time_in_steps_of_its_unit_is_no_number_of_the_row():
     columns = {"time [ms]": ROWS, "time stamp": CLOCK, "current [A]": np.sin(ROWS)}
     assert guess_columns(list(columns), numbers=columns).time.column == "time [ms]"
+
+
+@pytest.mark.parametrize("before", ["MotorTest/", "log.", "/joint_states/", "drive data "])
+def test_words_with_which_all_names_begin_do_not_hide_the_clock(before):
+    """The program's name before each column made a motion a table of operating points."""
+    columns = {f"{before}pos": np.sin(POINTS), f"{before}iq": POINTS % 3.0, f"{before}t": 0.5 * POINTS}
+    assert guess_columns(list(columns), numbers=columns).time.column == f"{before}t"
+
+
+def test_uneven_steps_of_a_clock_named_so_behind_other_words_are_no_doubt():
+    columns = {"log/pos": np.sin(POINTS), "log/iq": POINTS % 3.0, "log/t_ms": SLIPS}
+    time = guess_columns(list(columns), numbers=columns).time
+    assert time.column == "log/t_ms" and not time.doubt
+
+
+def test_a_symbol_of_time_behind_words_of_its_own_is_no_clock():
+    columns = {"pos": np.sin(POINTS), "heat t": POINTS, "iq": POINTS % 3.0}
+    assert guess_columns(list(columns), numbers=columns).time is None

@@ -178,3 +178,30 @@ def test_a_motor_current_goes_before_that_of_the_supply():
     numbers = {"t": TIME, "I_mot [A]": np.sin(TIME), "supply current [A]": np.ones_like(TIME)}
     (guess,) = guess_columns(list(numbers), numbers=numbers).signals
     assert guess.column == "I_mot [A]" and not guess.magnitude
+
+
+def test_short_moves_with_long_rests_tell_a_magnitude_too():
+    """A bus servo logs whole steps of its current at 10 Hz: zero in most rows, those around each move included."""
+    time = np.arange(400) * 0.1
+    at = np.repeat([0.0, 1.0, 0.0, -1.0] * 5, 20)
+    position = np.round(1000.0 * at - 300.0 * (np.r_[0.0, np.diff(at)]))
+    drive = np.round(30.0 * np.abs(np.r_[0.0, np.diff(at)]) + 6.0 * (at > 0.0) * np.abs(np.r_[np.diff(at), 0.0]))
+    run = Recording("r", np.rint(time * 1e9).astype(np.int64), {"motor_position": position, "current": drive})
+    assert np.median(drive) == 0.0 and drive.min() == 0.0
+    assert unsigned_signals([run]) == {"current"}
+
+
+@pytest.mark.parametrize("dry", [0.2, 1.0])
+def test_the_noise_of_a_magnitude_goes_below_zero_where_the_machine_rests(dry, drafted):
+    """An analog sensor of a servo's supply current: its noise made it a current with a sign, and that a load."""
+    moves = np.where(np.sin(2.0 * TIME) > 0.5, 1.0, 0.0) - np.where(np.sin(2.0 * TIME) < -0.5, 1.0, 0.0)
+    speed = 20.0 * np.convolve(moves, np.ones(50) / 50.0, "same")
+    true = current(speed, 0.0, dry)
+    noise = 0.05 * np.random.default_rng(7).normal(size=len(TIME))
+    magnitude = np.abs(true) * (speed != 0.0) + noise
+    assert ((magnitude[1:] < 0.0) & (magnitude[:-1] < 0.0)).any()
+    assert unsigned_signals([recorded(speed, magnitude, motion="motor_position")]) == {"current"}
+    assert not unsigned_signals([recorded(speed, true + noise, motion="motor_position")])
+    way = np.cumsum(speed) * 2e-3
+    draft = drafted({"time [s]": TIME, "motor position [rad]": way, "current [A]": magnitude})
+    assert "never negative but by its noise, so it looks like a magnitude" in draft.warned

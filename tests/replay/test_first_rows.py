@@ -32,7 +32,7 @@ def test_a_few_are_counted_at_both_ends(tmp_path):
     assert len(table.columns[0]) == 30 and np.isfinite(table.columns).all() and table.line(0) == 4
 
 
-@pytest.mark.parametrize("begin", ["-0.01;;\n" * 4, "-0.02;0.0;1\n-0.01;;\n"])
+@pytest.mark.parametrize("begin", ["-0.01;x;\n" * 4, "-0.01;;\n" * 11, "-0.02;0.0;1\n-0.01;;\n"])
 def test_many_or_one_behind_the_beginning_are_refused(tmp_path, begin):
     line = 2 if begin.startswith("-0.01") else 3
     with pytest.raises(InputError, match=f"line {line}: column 'pos'"):
@@ -47,3 +47,11 @@ def test_the_first_wrong_cell_is_named_if_another_comes_later(tmp_path):
 def test_a_column_that_is_not_needed_begins_nothing(tmp_path):
     table = read(tmp_path, "-0.01;0.0;\n", lambda header: (0, 1))
     assert len(table.columns[0]) == 31 and table.warnings == ()
+
+
+@pytest.mark.parametrize("needed", [all_columns, lambda header: ()])
+def test_a_signal_that_begins_later_than_the_clock_begins_the_recording(tmp_path, needed):
+    table = read(tmp_path, "-0.01;0.0;NaN\n" * 9, needed)
+    (said,) = table.warnings
+    assert said.startswith("run.csv: lines 2 to 10: the first 9 rows are left out, since they lack numbers that all")
+    assert len(table.columns[0]) == 30 and np.isfinite(table.columns).all() and table.line(0) == 11

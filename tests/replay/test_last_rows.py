@@ -34,7 +34,7 @@ def test_they_need_not_be_alike(tmp_path, end):
     assert len(read(tmp_path, end).columns[0]) == 30
 
 
-@pytest.mark.parametrize("end", ["0.30;3.0;NaN\n" * 4, "0.30;3.0;NaN\n0.31;3.1;1\n"])
+@pytest.mark.parametrize("end", ["0.30;3.0;x\n" * 4, "0.30;3.0;NaN\n" * 11, "0.30;3.0;NaN\n0.31;3.1;1\n"])
 def test_many_or_one_before_the_end_are_refused(tmp_path, end):
     with pytest.raises(InputError, match="line 32: column"):
         read(tmp_path, end)
@@ -62,5 +62,27 @@ def test_a_column_that_is_not_needed_ends_nothing(tmp_path, before):
 def test_if_no_column_is_needed_each_that_holds_numbers_counts(tmp_path):
     table = read(tmp_path, "0.30;3.0;NaN\n0.31;3.0;NaN\n", needed=lambda header: ())
     assert len(table.columns[0]) == 30 and "the last 2 rows" in table.warnings[0]
-    table = read(tmp_path, "0.30;3.0;NaN\n" * 4, needed=lambda header: ())
-    assert len(table.columns[0]) == 34 and np.isnan(table.columns[2]).sum() == 4
+    table = read(tmp_path, "0.30;3.0;NaN\n" * 11, needed=lambda header: ())
+    assert len(table.columns[0]) == 41 and np.isnan(table.columns[2]).sum() == 11
+
+
+@pytest.mark.parametrize("needed", [all_columns, lambda header: (), lambda header: (0, 2)])
+def test_a_signal_shorter_than_the_clock_ends_the_recording(tmp_path, needed):
+    """Programs that write signals of their own lengths beside each other leave the shorter ones' cells empty."""
+    table = read(tmp_path, "0.30;3.0;\n" * 9, needed=needed)
+    said = "run.csv: lines 32 to 40: the last 9 rows are left out, since they lack numbers that all rows before hold"
+    assert table.warnings == (f"{said}; in the first of them, column 'cur' is empty",)
+    assert len(table.columns[0]) == 30 and np.isfinite(table.columns).all()
+
+
+def test_the_shortest_signal_that_is_needed_ends_the_recording(tmp_path):
+    end = "0.30;3.0;\n" * 5 + "0.40;;\n" * 4
+    assert len(read(tmp_path, end).columns[0]) == 30
+    assert len(read(tmp_path, end, needed=lambda header: (0, 1)).columns[0]) == 35
+
+
+def test_rows_that_alone_hold_numbers_of_a_column_stay_if_none_is_needed(tmp_path):
+    """The last of several stacked logs, each with columns of its own, is no end of the first."""
+    rows = "".join(f"{line};\n" for line in ROWS.splitlines())
+    table = read(tmp_path, "0.30;;;7\n" * 9, "t;pos;cur;heat", lambda header: (), rows)
+    assert len(table.columns[0]) == 39

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ema_bench_replay.errors import InputError, MissingNumberError
-from ema_bench_replay.traces.incomplete_ends import MOST, Cells, incomplete_rows, left_out_words
+from ema_bench_replay.traces.incomplete_ends import MOST, Cells, empty_ends, incomplete_rows, left_out_words
 from ema_bench_replay.traces.missing_numbers import holds_nothing, is_missing
 from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
 from ema_bench_replay.traces.quoted_cells import with_marks_shown
@@ -53,11 +53,12 @@ class RowReader:
         self.first: list[int] = []  # the first rows, counted likewise, that are left out since they lack numbers
         self.written_delimiter = delimiter or next((mark for mark in (";", "\t", ",") if mark in header), ";")
         cells = [with_marks_shown(cell.strip().strip('"').strip()) for cell in header.split(self.written_delimiter)]
-        self.trailing = len(cells) > 1 and not cells[-1]
+        self.trailing = len(cells) > 1 and not cells[-1] and not self._fills(body, len(cells))
         self.header = cells[:-1] if self.trailing else cells
         self.needed = sorted(needed(self.header))
         self.judged = self.needed or range(len(self.header))  # columns whose numbers a row at an end may lack
         self.known = np.ones(len(self.header), dtype=bool)  # columns in which all cells so far hold numbers
+        self.seen = np.zeros(len(self.header), dtype=bool)  # columns in which any cell so far holds one
         # A comma inside quotation marks is part of a number; those between cells become semicolons.
         self.quoted_commas = self.written_delimiter == "," and b'"' in body
         self.delimiter = ";" if self.quoted_commas else self.written_delimiter
@@ -65,6 +66,13 @@ class RowReader:
         self.format = self._format(sample, number_format)
         self.grouped = self.format.thousands.encode() in sample and self.delimiter != self.format.thousands
         self.decimals = self._decimals(sample)
+
+    def _fills(self, body: bytes, count: int) -> bool:
+        """Whether a row fills the last of ``count`` cells, below an empty name: notes beside a table, as in Excel."""
+        mark = self.written_delimiter.encode()
+        if body.count(mark + b"\n") + body.count(mark + b"\r\n") == body.count(b"\n"):
+            return False
+        return any(len(cells := row.split(mark)) == count and cells[-1].strip() for row in body.splitlines())
 
     def style(self, newline: str) -> Style:
         """How the rows read so far are written; ``newline`` ends them."""
@@ -85,6 +93,7 @@ class RowReader:
             rows = self._careful(text, is_last)
         self.line += text.count(b"\n")
         self.known &= np.isfinite(rows).all(axis=0)
+        self.seen |= np.isfinite(rows).any(axis=0)
         return rows
 
     def texts(self, block: bytes) -> Iterator[list[str]]:
@@ -146,7 +155,11 @@ class RowReader:
     def _report_incomplete(self, rows: range, column: int, cells: Cells, lines: Sequence[int]) -> None:
         """Warn of ``rows`` at an end, of which the first holds no number in a column; ``lines`` are those of all."""
         first = rows.start
-        told = left_out_words(lines[first], len(rows), self.header[column], cells[first][column], at_begin=first == 0)
+        self._report_left_out([lines[row] for row in rows], column, cells[first][column], at_begin=first == 0)
+
+    def _report_left_out(self, lines: Sequence[int], column: int, cell: str, *, at_begin: bool) -> None:
+        """Warn of rows at an end that are in these ``lines``; the ``cell`` is the first one's in a column."""
+        told = left_out_words(lines[0], len(lines), self.header[column], cell, at_begin=at_begin)
         self.warnings.append(f"{self.path.name}: {told}")
 
     def _only_needed(self, text: bytes) -> np.ndarray | None:
@@ -201,7 +214,7 @@ class RowReader:
         """The rows, cell by cell; InputError names the first wrong one.
 
         The file's first and last few rows are left out if they lack numbers that all others hold, as a logger writes
-        that is switched on before its drive answers, or off meanwhile.
+        that is switched on before its drive answers, or off meanwhile; and more of them if cells of them are empty.
         """
         numbered = [(self.line + k, line) for k, line in enumerate(text.decode("latin-1").split("\n")[:-1])]
         whole = [(at, line) for at, line in numbered if not holds_nothing(line.split(self.delimiter))]
@@ -211,11 +224,14 @@ class RowReader:
             self._report_torn(whole[-1][0])
             whole.pop()
         rows = np.empty((len(whole), len(self.header)))
+        split = [self._cells(line) for _, line in whole]
+        empty_first, empty_last = empty_ends(split, self.line - self.first_line + len(whole))
+        empty_first = empty_first if self.line == self.first_line else {}
+        empty_last = empty_last if is_last else {}
         begins = self.line == self.first_line and len(whole) > 2 * MOST
         at_begin: dict[int, dict[int, str]] = {}  # cells of the first rows that are no numbers, by row and column
         at_end: dict[int, dict[int, str]] = {}  # those of the last rows
-        for number, (at, line) in enumerate(whole):
-            cells = self._cells(line)
+        for number, ((at, _), cells) in enumerate(zip(whole, split, strict=True)):
             if len(cells) != len(self.header):
                 self._refuse_unnamed([line for _, line in whole])
                 counts = f"has {len(cells)} cell{'s' * (len(cells) != 1)} where the header has {len(self.header)}"
@@ -230,6 +246,8 @@ class RowReader:
                         self.times_of_day.add(column)
                         continue
                     rows[number, column] = np.nan
+                    if number < empty_first.get(column, 0) or len(whole) - number <= empty_last.get(column, 0):
+                        continue
                     if begins and number < MOST and not _is_number(cell):
                         at_begin.setdefault(number, {})[column] = cell
                     elif may_end and not _is_number(cell):
@@ -238,8 +256,51 @@ class RowReader:
                         self._refuse_needed(at_begin, [line for line, _ in whole])
                         raise self._no_number(at, column, cell) from None
         lines = [at for at, _ in whole]
+        filled = self._filled(rows, empty_first, empty_last, split, lines)
+        at_begin = {} if filled.start else at_begin
+        at_end = {row - filled.start: cells for row, cells in at_end.items() if row < filled.stop}
+        rows, lines = rows[filled.start : filled.stop], lines[filled.start : filled.stop]
         kept = self._first_kept(rows[: len(rows) - len(at_end)], at_begin, lines)
         return self._without_end(rows[kept:], {row - kept: cells for row, cells in at_end.items()}, lines[kept:])
+
+    def _filled(
+        self,
+        rows: np.ndarray,
+        empty_first: Mapping[int, int],
+        empty_last: Mapping[int, int],
+        split: Sequence[Sequence[str]],
+        lines: Sequence[int],
+    ) -> range:
+        """The rows between those at both ends in which columns are empty that hold numbers in all others.
+
+        ``empty_first`` and ``empty_last`` count such rows by column; ``split`` are all rows' cells, ``lines`` theirs.
+        None are left out that alone hold a column's numbers. Raises InputError if a needed column stays empty there.
+        """
+        count = len(rows)
+        between = {
+            column: range(empty_first.get(column, 0), count - empty_last.get(column, 0)) for column in self.judged
+        }
+        full = {
+            column: kept
+            for column, kept in between.items()
+            if self.known[column] and len(kept) < count and np.isfinite(rows[kept.start : kept.stop, column]).all()
+        }
+        first = max(full, key=lambda column: full[column].start, default=0)
+        last = min(full, key=lambda column: full[column].stop, default=0)
+        filled = range(full[first].start, full[last].stop) if full else range(count)
+        outside = np.isfinite(rows[: filled.start]).any(axis=0) | np.isfinite(rows[filled.stop :]).any(axis=0)
+        if (outside & ~self.seen & ~np.isfinite(rows[filled.start : filled.stop]).any(axis=0)).any():
+            filled = range(count)
+        for column in self.needed:
+            at = next((row for row in filled if row not in between[column]), None)
+            if at is not None:
+                raise self._no_number(lines[at], column, split[at][column])
+        if filled.start:
+            self._report_left_out(lines[: filled.start], first, split[0][first], at_begin=True)
+            self.first = [line - self.first_line for line in lines[: filled.start]]
+        if filled.stop < count:
+            self._report_left_out(lines[filled.stop :], last, split[filled.stop][last], at_begin=False)
+        return filled
 
     def _first_kept(self, rows: np.ndarray, at_begin: Cells, lines: Sequence[int]) -> int:
         """The first row that is not left out; ``at_begin`` are the first rows' cells that are none, ``lines`` theirs.
@@ -252,7 +313,7 @@ class RowReader:
         if (found := incomplete_rows(begins, at_begin, self.judged)) is not None:
             self._report_incomplete(*found, at_begin, lines)
             kept = len(found[0])
-            self.first = [line - self.first_line for line in lines[:kept]]
+            self.first += [line - self.first_line for line in lines[:kept]]
         self._refuse_needed({row: cells for row, cells in at_begin.items() if row >= kept}, lines)
         return kept
 

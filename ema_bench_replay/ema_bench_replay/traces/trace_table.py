@@ -83,9 +83,10 @@ def read_table(
     be separated by blanks, and a semicolon may end each row. Times of day and dates are converted to s. Rows that hold
     nothing in any column are left out, with one warning. An incomplete last row is dropped, with a warning, and so are
     up to three first and last rows that lack a number in a needed column (in any if none is needed) in which all others
-    hold one. Merged topics, each with rows of its own, are joined, with a warning. `delimiter` and `number_format`
-    ("german", "english") are detected if they are None. `needed` returns for a header the columns that must hold
-    numbers; others may hold words and empty cells. `progress` is called with the share read so far. Raises InputError.
+    hold one, or up to a quarter of the rows if its cells are empty there (beyond 4 MB, within the last block). Merged
+    topics, each with rows of its own, are joined, with a warning. `delimiter` and `number_format` ("german", "english")
+    are detected if they are None. `needed` returns for a header the columns that must hold numbers; others may hold
+    words and empty cells. `progress` is called with the share read so far. Raises InputError.
     """
     try:
         table = _read(path, delimiter, number_format, needed, progress)

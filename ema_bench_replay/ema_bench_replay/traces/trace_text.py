@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
 from typing import BinaryIO
@@ -12,6 +12,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.traces.blank_columns import rows_with_tabs, with_tabs
 from ema_bench_replay.traces.header_lines import HeaderLines, NoHeader, header_lines
 from ema_bench_replay.traces.keyed_trace import refuse_keyed_trace
+from ema_bench_replay.traces.named_numbers import named_numbers, without_names
 from ema_bench_replay.traces.quoted_cells import with_marks_hidden
 from ema_bench_replay.traces.row_ends import rows_without_ends, without_row_ends
 from ema_bench_replay.traces.text_blocks import text_blocks
@@ -33,6 +34,9 @@ def trace_text(path: Path, file: BinaryIO, delimiter: str | None) -> TraceText:
     blocks = ((with_marks_hidden(block), last) for block, last in text_blocks(file))
     first, is_last = next(blocks)
     refuse_keyed_trace(path, first)
+    if (named := named_numbers(first)) is not None:
+        first, names = named
+        blocks = ((without_names(block, names), last) for block, last in blocks)
     unended = first if delimiter == ";" else without_row_ends(first)
     if unended is not first:
         first, blocks = unended, ((rows_without_ends(block), last) for block, last in blocks)
@@ -40,6 +44,8 @@ def trace_text(path: Path, file: BinaryIO, delimiter: str | None) -> TraceText:
     if tabbed is not first:
         first, blocks = tabbed, ((rows_with_tabs(block), last) for block, last in blocks)
     header = _header(path, first)
+    if named is not None:  # its header is no line of the file
+        header = replace(header, line=header.line - 1)
     return TraceText(header, chain([(first[header.end :], is_last)], blocks))
 
 

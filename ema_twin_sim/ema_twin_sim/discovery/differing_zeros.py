@@ -27,7 +27,7 @@ from ..model.own_units import is_linear, shown
 from ..plant.measured_motion import MOTOR_ANGLE
 from ..quantities import quantity
 from ..simulation.angle_origins import acts_at_an_angle
-from .zeros_by_load import loads_of
+from .criteria.loads_at_an_angle import loads_of
 
 LINES = 4  # most lines of the order spectrum that are used
 STEP = ORDERS[1] - ORDERS[0]

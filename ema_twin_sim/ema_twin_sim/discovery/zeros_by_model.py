@@ -27,6 +27,7 @@ from ..measured.scales import to_own_units
 from ..model import Model
 from ..model.own_units import is_linear
 from ..quantities import quantity
+from .criteria.loads_at_an_angle import loads_of
 from .differing_zeros import (
     as_recorded,
     best_shift,
@@ -37,7 +38,7 @@ from .differing_zeros import (
     waves_of,
     with_zeros_moved,
 )
-from .zeros_by_load import loads_of, zeros_by_known_load
+from .zeros_by_load import zeros_by_known_load
 
 SAMPLES = 100_000  # of a recording that tell its zero: those of its longest way
 

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ..criteria import NEGLIGIBLE
 from ..measured.order_spectrum import largest_in_cells, refined
 from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME
 from .basis_columns import at_rows, at_rows_of, hat_columns
@@ -65,10 +66,12 @@ def _by_speed(problem: EquationErrorProblem) -> dict[str, np.ndarray]:
         return {}
     hats = [hat_columns(np.abs(o.motion[:, SPEED]), knots) for o in problem.observations]
     sense = [np.sign(o.motion[:, SPEED])[:, None] for o in problem.observations]
-    return {
-        "speed": at_rows(problem, [h * s for h, s in zip(hats, sense, strict=True)]),
-        "direction": at_rows(problem, hats),
-    }
+    found = {"speed": at_rows(problem, [h * s for h, s in zip(hats, sense, strict=True)])}
+    ways = np.concatenate([s[o.rows] for s, o in zip(sense, problem.observations, strict=True)])
+    forward, backward = np.count_nonzero(ways > 0.0), np.count_nonzero(ways < 0.0)
+    if min(forward, backward) > NEGLIGIBLE * (forward + backward):  # in one direction both are the same
+        found["direction"] = at_rows(problem, hats)
+    return found
 
 
 def _by_position(problem: EquationErrorProblem) -> dict[str, np.ndarray]:

@@ -46,28 +46,30 @@ def moving_rows(motion: np.ndarray, period: float, values: np.ndarray, of_speed:
     return Moving(speed[known], acceleration[known], values[known])
 
 
-def looks_like_a_magnitude(moving: Moving | None, values: np.ndarray) -> bool:
+def looks_like_a_magnitude(moving: Moving | None, values: np.ndarray, *, noisy: bool = False) -> bool:
     """Whether a signal without negative values gets near zero, and is better described without direction than with it.
 
     Instead of the latter it may go down to zero in motion both ways, which no load that keeps the sign allows, or be no
     worse described and the same both ways, as without any friction. ``values`` (n,) are all of the signal, also those
-    at rest.
+    at rest. Of a ``noisy`` one, which noise alone makes negative, neither tells anything.
     """
     if moving is None or not both_ways(moving.speed):
         return False
     forward, usual = moving.speed > 0.0, float(np.median(moving.values))
     if not near_zero(values, usual):
         return False
-    if all(np.mean(moving.values[way] <= NEGLIGIBLE * usual) > NEGLIGIBLE for way in (forward, ~forward)):
+    if not noisy and all(np.mean(moving.values[way] <= NEGLIGIBLE * usual) > NEGLIGIBLE for way in (forward, ~forward)):
         return True
     gain = gain_without_sign(moving, [np.ones(len(forward)), np.sign(moving.speed)]) / CORRELATION
+    if noisy:
+        return gain > DEPENDS
     means = [float(np.mean(moving.values[way])) for way in (forward, ~forward)]
     return gain > (-DEPENDS if abs(means[0] - means[1]) < NEGLIGIBLE * sum(means) else DEPENDS)
 
 
 def near_zero(values: np.ndarray, usual: float) -> bool:
-    """Whether a signal (n,) gets near zero, beside its ``usual`` size in motion."""
-    return bool(np.nanquantile(values, 1.0 - ALL_BUT_SPIKES) < PART * usual)
+    """Whether a signal (n,) gets near zero, beside its ``usual`` size in motion, which may be zero in short moves."""
+    return bool(np.nanquantile(values, 1.0 - ALL_BUT_SPIKES) <= PART * usual)
 
 
 def both_ways(speed: np.ndarray) -> bool:

@@ -8,8 +8,8 @@ from __future__ import annotations
 STEMS: dict[str, str] = {
     "time": r"time|zeit|^temps$|^tempo$|^tiempo",
     "temperature": r"^temp",
-    "torque": r"torque|moment(?!um)|force|kraft|^(set|ref|cmd|act|meas)?trq|^tau$|effort|^couple|^coppia|^par$|^forza$"
-    r"|^fuerza$",
+    "torque": r"torque|moment(?!um)|force|kraft|^(set|ref|cmd|act|meas)?(trq|tor$)|^tau$|effort|^couple|^coppia|^par$"
+    r"|^forza$|^fuerza$",
     "current": r"current|strom|^amps?$|^(set|ref|cmd|act|meas|mot)?curr?$|^strm$|^courant|^corr?iente|^corrente",
     "voltage": r"volt|spannung",
     "speed": r"speed|veloc|drehzahl|geschwind|omega|^(set|ref|cmd|act|meas)?(vel|rpm|spd)$|^vitesse|^vit$|^regime$"

@@ -172,6 +172,7 @@ def guess_columns(
     linear = _is_linear(telling) or (slides and any(_is_length(read) for read in telling))
     names = [_settled(read, linear, names) for read in names]
     time = time_column(names, numbers)
+    assumed = time is not None and is_assumed(time, names, numbers)
     if time is not None and time.name in no_numbers:
         raise InputError(
             f"header: column {time.name!r} holds no numbers; export the time in s or ms, counted from the start"
@@ -227,7 +228,7 @@ def guess_columns(
     used = {column.name for column in taken.values()}
     left = tuple(name for name in header if name not in used and (time is None or name != time.name))
     guesses = _timed(time, signals, left, motion)
-    if guesses.time is not None and time is not None and is_assumed(time, numbers):
+    if guesses.time is not None and assumed:
         doubt = "taken for the time by its unit alone, though its steps are uneven"
         guesses = replace(guesses, time=replace(guesses.time, doubt=doubt))
     return replace(

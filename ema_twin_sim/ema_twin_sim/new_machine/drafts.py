@@ -257,7 +257,10 @@ def _without(recording: Recording, signals: Collection[str]) -> Recording:
 def _no_sign(guess: Guess, recordings: Sequence[Recording]) -> str:
     """That a column is read as a magnitude, and what to do about it."""
     read = [recording.signals[guess.signal] for recording in recordings if recording.has(guess.signal)]
-    but = " but for single samples" if any((values < 0.0).any() for values in read) else ""
+    negative = [values < 0.0 for values in read]
+    but = " but for single samples" if any(rows.any() for rows in negative) else ""
+    if any((rows[1:] & rows[:-1]).any() for rows in negative):
+        but = " but by its noise"
     return (
         f"{guess.column}: never negative{but}, so it looks like a magnitude without sign (`magnitude: true` in the "
         "map), which serves to judge health and drives no twin; record the motor's current with its sign, or take the "

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,9 +21,9 @@ def time_column(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray])
     One with both is the clock even if it does not rise: reading it tells what is wrong with it. One with the unit alone
     that goes in uneven steps comes after those that go in even ones, as clocks do, and must not be named something
     else: the slip of a motor may be given in s as well. One that only numbers the rows, as a ``timestep`` may, is the
-    clock if no other column is.
+    clock if no other column is. Words with which all names begin, as those of a program or a topic, tell nothing.
     """
-    called = [read for read in names if _is_time(read)]
+    called = [read for read in names if _is_called_time(read, names)]
     others = [read for read in names if read.quantity == "time" and read not in called]
     if called and not numbers:
         return called[0]
@@ -38,9 +39,23 @@ def time_column(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray])
     return next(iter((*by_name, *clocks, *by_steps, *assumed, *called)), None)
 
 
-def is_assumed(time: HeaderWords, numbers: Mapping[str, np.ndarray]) -> bool:
+def is_assumed(time: HeaderWords, names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> bool:
     """Whether a time column has neither the name of a time nor even steps, so that only its unit tells it."""
-    return not _is_time(time) and time.name in numbers and is_uneven(numbers[time.name])
+    return not _is_called_time(time, names) and time.name in numbers and is_uneven(numbers[time.name])
+
+
+def _is_called_time(read: HeaderWords, names: Sequence[HeaderWords]) -> bool:
+    """Whether one of the names is that of a time, apart from the words with which all begin."""
+    return _is_time(replace(read, words=read.words[_shared_words(names) :]))
+
+
+def _shared_words(names: Sequence[HeaderWords]) -> int:
+    """With how many words all names begin alike; none may consist of these alone."""
+    shortest = min((len(read.words) for read in names), default=0)
+    if len(names) < 2 or not shortest:
+        return 0
+    alike = (len({read.words[place] for read in names}) == 1 for place in range(shortest))
+    return min(next((place for place, same in enumerate(alike) if not same), shortest), shortest - 1)
 
 
 def _numbers_rows(values: np.ndarray) -> bool:

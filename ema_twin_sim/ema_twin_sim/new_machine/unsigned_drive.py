@@ -11,7 +11,7 @@ import numpy as np
 
 from ema_bench_replay.recording import MAY_BE_MAGNITUDES, Recording
 
-from ..criteria import DEPENDS
+from ..criteria import CONTRADICTED, DEPENDS
 from ..measured.magnitude import (
     SMOOTHED,
     Moving,
@@ -22,17 +22,19 @@ from ..measured.magnitude import (
     near_zero,
 )
 from ..measured.smoothing import gaussian, smooth
+from ..reading_noise import polled_noise
 
 
 def unsigned_signals(recordings: Sequence[Recording]) -> frozenset[str]:
     """The signals of the drive that look like magnitudes: in no recording negative, and so in one, or in all together.
 
-    A single negative sample is noise: no drive turns its torque round for one sample.
+    A single negative sample is noise: no drive turns its torque round for one sample. Where a magnitude is zero, its
+    noise goes below zero as often as above.
     """
     return frozenset(
         signal
         for signal in MAY_BE_MAGNITUDES
-        if all(_never_negative(recording, signal) for recording in recordings)
+        if all(_never_negative(recording, signal, beyond=CONTRADICTED) for recording in recordings)
         and (
             any(_looks_unsigned(recording, signal) for recording in recordings)
             or _look_unsigned_together(recordings, signal)
@@ -40,16 +42,19 @@ def unsigned_signals(recordings: Sequence[Recording]) -> frozenset[str]:
     )
 
 
-def _never_negative(recording: Recording, signal: str) -> bool:
+def _never_negative(recording: Recording, signal: str, beyond: float = 0.0) -> bool:
+    """Whether no two samples after each other are negative, by more than so many times the signal's noise."""
     if not recording.has(signal):
         return True
-    negative = recording.signals[signal] < 0.0
+    values = recording.signals[signal]
+    negative = values < (-beyond * polled_noise(values) if beyond else 0.0)
     return not (negative[1:] & negative[:-1]).any()
 
 
 def _looks_unsigned(recording: Recording, signal: str) -> bool:
     moving = _moving(recording, signal)
-    return moving is not None and looks_like_a_magnitude(moving, recording.signals[signal])
+    noisy = not _never_negative(recording, signal)
+    return moving is not None and looks_like_a_magnitude(moving, recording.signals[signal], noisy=noisy)
 
 
 def _look_unsigned_together(recordings: Sequence[Recording], signal: str) -> bool:

@@ -26,7 +26,9 @@ from ema_twin_sim.discovery.criteria.own_shape import (
     is_play,
     only_teeth,
     parts_the_encoders,
+    shape_over,
 )
+from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from tests.fits_by_hand import a_fit, a_hypothesis, a_problem
 
 ROWS = 100
@@ -357,3 +359,19 @@ class TestLikeness:
         assert not self.told(monkeypatch, stock, 99.0, effect="encoder_eccentricity")
         monkeypatch.setattr(self, "coarse", True, raising=False)
         assert not self.told(monkeypatch, stock, 99.0)
+
+
+@pytest.mark.parametrize(
+    ("effect", "order", "over"),
+    [
+        ("cogging", "12", "order"),
+        ("cogging", "0.5", "order"),  # of a gearbox: the output turns once in many of the motor
+        ("cogging", "0.001", "output_position"),
+        ("stribeck_friction", "", "speed"),
+    ],
+)
+def test_a_wave_slower_than_the_output_is_a_shape_over_its_position(effect, order, over, stock):
+    """A load that rests on the floor over a part of the way was named a wave of a fifth of a cycle per turn."""
+    h = null_hypothesis(stock).with_effect(effect, {"order": order} if order else {}, {"torque": 0.01})
+    (name,) = h.added
+    assert shape_over(SimpleNamespace(hypothesis=h), name) == over

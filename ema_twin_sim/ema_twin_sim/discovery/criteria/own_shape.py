@@ -26,6 +26,7 @@ from ...identification.generic_bases import dependence, fit_with_basis, load_bas
 from ...identification.hypothesis import COMPLIANT_EFFECTS
 from ...identification.screening import screen_generic_bases
 from ...identification.sensors import delay_shows
+from ...model.own_units import is_linear
 from .worth import ENCODER_ONLY, is_lacked
 
 TEETH_STEPS = 8
@@ -51,7 +52,7 @@ def imitates(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
         return False
     bare = fit(problem, f.hypothesis.without(name), 6, known=f)
     refuse_different_weightings(bare, f)
-    shapes = _over(problem, bare, effect.depends_on)
+    shapes = _over(problem, bare, shape_over(f, name))
     beside = problem.with_generic_bases(shapes)
     best = _best_basis(beside, bare) if shapes else None
     if best is None:
@@ -62,6 +63,20 @@ def imitates(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     chance = max(gain_on_correlated_noise(beside, bare, any_shape, best) / scale, by_chance(columns))
     explained = (bare.misfits[0] - f.misfits[0]) / scale
     return explained < MOSTLY * ((bare.misfits[0] - any_shape.misfits[0]) / scale - chance)
+
+
+def shape_over(f: Fit, name: str) -> str:
+    """The quantity over which an added effect has its shape.
+
+    That of a wave with less than a cycle per turn of the output is its position: no shaft repeats so slowly, and over a
+    few cycles a load with any course looks like such a wave.
+    """
+    model = f.hypothesis.model()
+    over = catalogue()[model.effects[name].effect].depends_on
+    if over != "order" or is_linear(model):
+        return over
+    slow = model.motor_order(name) * model.value("machine.gear_ratio") < NEARLY_ALL
+    return "output_position" if slow else over
 
 
 def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool:

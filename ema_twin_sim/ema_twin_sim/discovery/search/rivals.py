@@ -18,6 +18,8 @@ from ...identification.screening import screen
 from ...identification.separation import beside_its_wander, encoders_tell_apart, separation
 from ...identification.unseen_encoders import parting_where_unseen
 from ...model.roles import PLAY
+from ..criteria.loads_at_an_angle import is_load_at_an_angle, loads_at_an_angle
+from ..criteria.opposed_loads import opposed
 from ..criteria.plausible import uncertain
 from ..criteria.worth import ENCODER_ONLY, does_nothing, is_lacked, largest_rms_reduction, penalised_gain
 from .adding import add_effects, prune, with_screened
@@ -76,7 +78,8 @@ def _with_a_rival(found: Search, rivals: Iterable[Rivalry], *, beside_unknown: b
     beaten = [
         rivalry
         for rivalry in rivals
-        if rivalry.behind <= -_needed(found, rivalry)
+        if rivalry.fits
+        and rivalry.behind <= -_needed(found, rivalry)
         and not _farther(found.fit, rivalry.fits[0])
         and not (beside_unknown and _hardly_differ(_Leader(rivalry.fits[0]), found.fit, rivalry.effect))
         and _lasts(found.fit, rivalry.fits[0])
@@ -88,6 +91,8 @@ def _with_a_rival(found: Search, rivals: Iterable[Rivalry], *, beside_unknown: b
     for rivalry in rivals if beside_unknown else ():
         for rival in _simpler(found.fit, rivalry):
             other = swapped(found, rival, SIMPLER)
+            if opposed(other.fit) and not opposed(found.fit):
+                continue  # two loads that cancel each other are a shape that neither of them is
             if {*new_names(found.fit, rival)} <= {*other.fit.hypothesis.added}:
                 return other
     return None
@@ -101,12 +106,16 @@ def _lasts(best: Fit, rival: Fit) -> bool:
 
 
 def _needed(found: Search, rivalry: Rivalry) -> float:
-    """By how much a rival must be better to replace an effect: by a clear margin if every machine has that effect.
+    """By how much a rival must be better to replace an effect.
 
-    Without a reversal, friction looks like a constant load except for chance, and the model would be left without
-    friction.
+    By a clear margin if every machine has that effect: without a reversal, friction looks like a constant load except
+    for chance, and the model would be left without friction. Likewise between loads at angles of their own, which are
+    alike over a part of a turn: there chance alone would choose.
     """
-    return RIVAL_MARGIN if is_lacked(found.fit.hypothesis, rivalry.effect) else 1.0
+    came = [*rivalry.fits[0].hypothesis.added.values()][-1]
+    held = [instance for instance in found.fit.hypothesis.added.values() if instance.effect == rivalry.effect]
+    alike = bool(held) and all(map(is_load_at_an_angle, (*held, came)))
+    return RIVAL_MARGIN if alike or is_lacked(found.fit.hypothesis, rivalry.effect) else 1.0
 
 
 def with_displaced(before: Search, other: Search) -> Search:
@@ -179,14 +188,29 @@ def _hardly_differ(leader: _Leader, rival: Fit, effect: str) -> bool:
 
 
 def substitutes(best: Fit, name: str, turn: Round) -> list[Fit]:
-    """The end of the search with an effect replaced by each that was close to it in its round."""
+    """The end of the search with an effect replaced by each that was close to it in its round.
+
+    A load at an angle of its own is replaced by the others at an angle of theirs too, which the round did not try: over
+    a part of a turn, an arm acts as a spring that is relaxed where the arm hangs, wherever the recordings start.
+    """
     winner = max(trial.gain for trial in turn.tried if name in trial.names)
-    effect = best.hypothesis.added[name].effect
-    return [
-        fit(best.problem, h, 8, known=best)
+    replaced = best.hypothesis.added[name]
+    near = [
+        h
         for other, h in came_near(best.hypothesis, name, turn, 0.5 * winner)
-        if not ENCODER_ONLY & {effect, other}  # an effect that does not show in the torque cannot replace one that does
+        if not ENCODER_ONLY & {replaced.effect, other}  # what does not show in the torque replaces nothing that does
     ]
+    if is_load_at_an_angle(replaced):
+        near += _other_loads(best.hypothesis.without(name), replaced.effect)
+    return [fit(best.problem, h, 8, known=best) for h in near]
+
+
+def _other_loads(bare: Hypothesis, effect: str) -> Iterator[Hypothesis]:
+    """The hypothesis with each load at an angle of its own, but for those of an ``effect``."""
+    for load in loads_at_an_angle(bare.base):
+        id = load.effect.id
+        if id != effect and id not in bare.effects and addable(bare, id):
+            yield bare.with_effect(id, load.options, {})
 
 
 def came_near(best: Hypothesis, name: str, turn: Round, least: float) -> Iterator[tuple[str, Hypothesis]]:

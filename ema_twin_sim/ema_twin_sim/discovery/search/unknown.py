@@ -28,6 +28,7 @@ from ..criteria.own_shape import (
     is_play,
     only_teeth,
     parts_the_encoders,
+    shape_over,
 )
 from ..criteria.plausible import only_constants, strained
 from ..criteria.worth import BY_CONSTANTS, NOTHING_ELSE, is_lacked
@@ -90,7 +91,7 @@ def _of_the_same_cause(found: Search) -> str | None:
     """The last added effect over the quantity that the rest depends on, if another shape over it explains much more."""
     problem, added = beside_generic_bases(found.problem, found.fit), found.fit.hypothesis.added
     left = _most_likely(problem, found.fit)
-    over = [name for name, held in added.items() if catalogue()[held.effect].depends_on in left]
+    over = [name for name in added if shape_over(found.fit, name) in left]
     return next((name for name in reversed(over) if imitates(problem, found.fit, name)), None)
 
 
