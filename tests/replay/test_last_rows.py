@@ -86,3 +86,11 @@ def test_rows_that_alone_hold_numbers_of_a_column_stay_if_none_is_needed(tmp_pat
     rows = "".join(f"{line};\n" for line in ROWS.splitlines())
     table = read(tmp_path, "0.30;;;7\n" * 9, "t;pos;cur;heat", lambda header: (), rows)
     assert len(table.columns[0]) == 39
+
+
+def test_notes_beside_a_table_are_a_column_without_a_name(tmp_path):
+    """A spreadsheet's remark right of the table, below an empty name, was a cell too many."""
+    rows = "".join(f"{line};\n" for line in ROWS.splitlines())
+    table = read(tmp_path, "0.30;3.0;1;stiff\n", "t;pos;cur;", lambda header: (0, 1, 2), rows)
+    assert table.header == ["t", "pos", "cur", ""] and len(table.columns[0]) == 31
+    assert read(tmp_path, "", "t;pos;cur;", rows=rows).header == ["t", "pos", "cur"]
