@@ -77,17 +77,16 @@ def judged(
 ) -> Judged:
     """The statements of a diagnosis and the intervals of a discovery, held against what is hidden.
 
-    Not judged are effects that the bench has besides, and an effect where the truth is no less in its group.
+    Not judged are effects that the bench has besides.
     """
     hidden = {"unknown" if id in without else id for id in case.hidden}
     said = {}
     for entry in diagnosis["ranking"]:
         said[entry["effect"]] = max(entry["probability"], said.get(entry["effect"], 0.0))
-    grouped = {id for group in diagnosis["groups"] if set(group) & hidden for id in group}
     statements = [
         Statement(case.name, id, probability, id in hidden)
         for id, probability in said.items()
-        if id not in case.tolerated and (id in hidden or id not in grouped)
+        if id not in case.tolerated
     ]
     if not case.restless:
         statements.append(Statement(case.name, "none", diagnosis["none"], not hidden))

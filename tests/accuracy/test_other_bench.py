@@ -323,9 +323,9 @@ def test_answers_are_judged():
     assert right.within == {"gravity_load.torque": True, "gravity_load.angle": False}
 
     grouped = judge(case, answer(["spring_load"], "explained", [["gravity_load", "spring_load"]]), 1.0)
-    assert not grouped.found and not grouped.wrong
+    assert not grouped.found and not grouped.wrong and grouped.undecided
     wrong = judge(case, answer(["gravity_load", "backlash"], "explained"), 1.0)
-    assert not wrong.found and wrong.first and wrong.wrong == ("backlash",)
+    assert not wrong.found and wrong.first and wrong.wrong == ("backlash",) and not wrong.undecided
     assert not judge(case, answer(["gravity_load"], "unknown"), 1.0).found
 
     nothing = drawn_case("y", "none", [], (1, 6))

@@ -4,7 +4,8 @@ import math
 
 import pytest
 
-from ema_twin_sim.criteria import DECIDED
+from ema_twin_sim.criteria import DECIDED, SUREST
+from ema_twin_sim.discovery.diagnose import diagnose
 from ema_twin_sim.discovery.search import rivals
 from ema_twin_sim.discovery.search.adding import settle, trial_of
 from ema_twin_sim.discovery.search.removing import less
@@ -49,7 +50,7 @@ def test_an_effect_found_twice_is_certain_as_soon_as_one_of_them_is():
     """A slight wave beside a strong one might as well have been a load: cogging itself was said to be open."""
 
     def rivalry(effect, *others):
-        return Rivalry(effect, "", math.inf, tuple(sorted({effect, *others})), ())
+        return Rivalry(effect, "", math.inf, dict.fromkeys(others, 1.0), ())
 
     slight = rivalry("cogging", "constant_load")
     friction = rivalry("asymmetric_friction", "constant_load")
@@ -133,3 +134,17 @@ def test_a_simpler_load_that_would_cancel_another_takes_no_place(stock, monkeypa
     monkeypatch.setattr(rivals, "opposed", lambda f: next((n for n in f.hypothesis.added if n == "spring_load"), None))
     end, _ = judged_against_rivals(found, beside_unknown=True)
     assert [*end.fit.hypothesis.added] == ["gravity_load"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("amplitude", "surely"), [(0.1, False), (1.2, True)])
+def test_what_shares_a_group_shares_its_probability(stock, amplitude, surely):
+    """Whichever load explains a little more, it wins nearly every draw of the recordings' stretches."""
+    found = diagnose(swinging(stock, GRAVITY, amplitude), stock)
+    said = {entry.effect: entry.probability for entry in found.ranking}
+    if surely:
+        assert found.groups == () and said["gravity_load"] > 0.9
+    else:
+        (group,) = found.groups
+        assert "gravity_load" in group and max(said[id] for id in group) < 0.9
+        assert sum(said[id] for id in group) == pytest.approx(SUREST, abs=0.02)

@@ -111,9 +111,10 @@ def show(diagnosis: Diagnosis, motion: str = "rotary") -> None:
     console.print(table)
     if diagnosis.ranking:
         say(
-            "Probability: that this effect is missing; several may be missing at once. Error removed: share of the "
-            "error above the sensors' noise that this effect removes in addition to all others found, on data not used "
-            f"for fitting (discover counts its steps one after another). {surest_sentence()}"
+            "Probability: that this effect is missing; several may be missing at once, and those that the "
+            "recordings cannot tell apart share one. Error removed: share of the error above the sensors' noise that "
+            "this effect removes in addition to all others found, on data not used for fitting (discover counts its "
+            f"steps one after another). {surest_sentence()}"
             + (f" {left_out} more with probability 0 are not listed (they are in --json)." if left_out else ""),
             style="dim",
         )

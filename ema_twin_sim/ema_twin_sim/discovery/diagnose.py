@@ -3,7 +3,7 @@
 The probability of an effect is the marginal probability that it is missing. Several effects may be missing at once;
 each is then as probable as it is on its own. It comes from a block bootstrap over time, because the residual is
 correlated: how often the effect would have won against its rivals and against no effect at all, had the recordings
-consisted of other stretches of the same kind.
+consisted of other stretches of the same kind. Effects that the recordings cannot tell apart share one probability.
 """
 
 from __future__ import annotations
@@ -159,7 +159,7 @@ def weigh(found: Discovery) -> Diagnosis:
             else:
                 chances[winner.key] = chances.get(winner.key, 0.0) + chance
         nothing *= without
-        for key, chance in chances.items():
+        for key, chance in _shared(contest, chances, found).items():
             absent[key] = absent.get(key, 1.0) * (1.0 - chance)
     present = {key: SUREST * (1.0 - chance) for key, chance in absent.items()}
     contenders = {contender.key: contender for contender in reversed([c for each in contests for c in each] + tried)}
@@ -203,6 +203,26 @@ def _contests(problem: EquationErrorProblem, found: Discovery) -> list[list[_Con
             contest += [_Contender(list(rival.hypothesis.added)[-1], bare, rival) for rival in rivals]
         contests.setdefault(contest[0].key, contest)
     return list(contests.values())
+
+
+def _shared(contest: Sequence[_Contender], chances: dict[Kind, float], found: Discovery) -> dict[Kind, float]:
+    """The chances of a contest, with those of effects that share a reported group divided by their odds.
+
+    Which of them explains a little more is no evidence: nearly every draw would count for the same one.
+    """
+    if not contest:
+        return chances
+    cause = contest[0].key[0]
+    odds = {cause: 1.0}
+    for rivalry in found.rivalries:
+        if rivalry.effect == cause and rivalry.group in found.groups:
+            odds |= rivalry.close
+    alike: dict[str, Kind] = {}
+    for key in sorted((c.key for c in contest), key=lambda key: -chances.get(key, 0.0)):
+        if key[0] in odds:
+            alike.setdefault(key[0], key)
+    together, all_odds = sum(chances.get(key, 0.0) for key in alike.values()), sum(odds[id] for id in alike)
+    return chances | {key: together * odds[id] / all_odds for id, key in alike.items()}
 
 
 def _added(turn: Round, trial: Trial) -> list[_Contender]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import math
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -35,8 +36,13 @@ class Rivalry:
     effect: str
     runner_up: str  # empty: no other effect was close
     behind: float  # how much the runner-up loses by, in units of noise
-    group: tuple[str, ...]  # the effect and those that the data cannot distinguish from it, sorted
+    close: Mapping[str, float]  # odds (0 to 1) of the effects that the data cannot distinguish from it, against it
     fits: tuple[Fit, ...]  # the substitutes together with all other effects, best first
+
+    @property
+    def group(self) -> tuple[str, ...]:
+        """The effect and those that the data cannot distinguish from it, sorted."""
+        return tuple(sorted({self.effect, *self.close}))
 
     def beside(self, end: Fit) -> Rivalry:
         """The rivalry with its substitutes under the weighting of a later ``end`` of the search."""
@@ -143,14 +149,16 @@ def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Riv
         fits = sorted(stands_in, key=lambda f: -penalised_gain(best, f))
         worth = [penalised_gain(best, f) for f in fits]
         effects = [list(f.hypothesis.added.values())[-1].effect for f in fits]
-        close = {
-            effect
-            for effect, rival, gained in zip(effects, fits, worth, strict=True)
-            if gained > -RIVAL_MARGIN or _hardly_differ(leader, rival, instance.effect)
-        }
+        close: dict[str, float] = {}
+        for effect, rival, gained in zip(effects, fits, worth, strict=True):
+            apart = math.sqrt(max(-gained, 0.0))  # twice a log-likelihood ratio is a square of standard deviations
+            if gained <= -RIVAL_MARGIN:
+                apart = max(_separation(leader, rival, instance.effect), 0.0)
+                if apart >= DECIDED:
+                    continue
+            close[effect] = max(close.get(effect, 0.0), math.exp(-0.5 * apart**2))
         runner_up, behind = (effects[0], -worth[0]) if fits else ("", float("inf"))
-        group = tuple(sorted({instance.effect, *close}))
-        judged.append(Rivalry(instance.effect, runner_up, behind, group, tuple(fits)))
+        judged.append(Rivalry(instance.effect, runner_up, behind, close, tuple(fits)))
     return tuple(judged)
 
 
@@ -174,17 +182,22 @@ class _Leader:
 
 
 def _hardly_differ(leader: _Leader, rival: Fit, effect: str) -> bool:
-    """Whether a rival may explain less of the torque only by chance, since friction that wanders is smooth as well.
+    """Whether a rival may explain less of the torque only by chance, since friction that wanders is smooth as well."""
+    return _separation(leader, rival, effect) < DECIDED
 
-    Not if it pulls constants from their file values or parts the encoders otherwise, whatever the torque tells, and not
+
+def _separation(leader: _Leader, rival: Fit, effect: str) -> float:
+    """Standard deviations by which the torque tells a rival from the leader, beside friction that wanders.
+
+    Infinite if it pulls constants from their file values or parts the encoders otherwise, whatever the torque tells, or
     if the ``effect`` is one that every machine has and this model lacks: that one is there.
     """
     best = leader.fit
     if is_lacked(best.hypothesis, effect) or is_lacked(rival.hypothesis, effect):
-        return False
+        return math.inf
     if not best.problem.size or abs(rival.prior_cost - best.prior_cost) > RIVAL_MARGIN:
-        return False
-    return not encoders_tell_apart(best, rival) and separation(leader.beside_its_wander, rival) < DECIDED
+        return math.inf
+    return math.inf if encoders_tell_apart(best, rival) else separation(leader.beside_its_wander, rival)
 
 
 def substitutes(best: Fit, name: str, turn: Round) -> list[Fit]:
