@@ -78,8 +78,8 @@ def _ranking(findings: Findings) -> Markup:
     for said, probability in other_answers(findings):
         rows.append((said, bar(probability, f"{100.0 * probability:.0f} %", "refused"), "", ""))
     note = (
-        "Probability: that this effect is missing; several may be missing at once, and those that the recordings cannot "
-        f"tell apart share one. {surest_sentence()} "
+        "Probability: that this effect is missing; several may be missing at once, and those that the recordings "
+        f"cannot tell apart share one. {surest_sentence()} "
         "Error removed: share of the error above the sensors' noise that it removes, on data not used for fitting. "
         "± is one standard error."
     )
