@@ -99,7 +99,7 @@ def test_every_unit_of_a_parameter_can_be_converted():
     assert {where: unit for where, unit in units.items() if not is_scalable(unit)} == {}, (
         "give whole powers of SI units"
     )
-    for unit in ("N m s^(1/3)", "N m^0.5", "N m s^-1", "mN m", "m"):
+    for unit in ("N m s^(1/3)", "N m^0.5", "N m s^-1", "mN m", "m", "N m^2", "s/"):
         assert not is_scalable(unit), unit
 
 

@@ -254,7 +254,7 @@ WRONG = {
     "a root in a unit": (
         text(parameters=TABLE.replace("N m", "N m s^(1/3)")), ["torque.unit", "'N m s^(1/3)'", "whole powers"]
     ),
-    "a unit with a prefix": (text(parameters=TABLE.replace("N m", "mN m")), ["torque.unit", "'mN m'", "of N m"]),
+    "a unit with a prefix": (text(parameters=TABLE.replace("N m", "mN m")), ["torque.unit", "'mN m'", "N m, kg m^2"]),
     "bounds the wrong way": (text(parameters=TABLE.replace("1.0", "-1.0")), ["torque", "lower 0", "in order"]),
     "a default out of bounds": (text(parameters=TABLE.replace("0.05", "5.0")), ["torque.default", "0 to 1"]),
     "a start out of bounds": (text(parameters=TABLE[:-2] + ", starts=(0.1, 7)),"), ["torque.starts[1]", "0 to 1"]),

@@ -32,7 +32,7 @@ from ..simulation.simulate import choose_input, simulate
 from .criteria.worth import complexity_penalty, has_effect_size, noise_per_unit, penalised_gain
 from .discover import Discovery, discover
 from .errors_beside_curves import errors_beside_curves
-from .search.rivals import substitutes
+from .search.rivals import loads_instead, substitutes
 from .search.trace import Round, Trial, new_names
 
 BLOCK = 2.0  # own s: stretches further apart than this count as independent
@@ -200,9 +200,16 @@ def _contests(problem: EquationErrorProblem, found: Discovery) -> list[list[_Con
         turn = next((turn for turn in found.search.taken if name in turn.added), None)
         if turn is not None and instance.effect not in COMPLIANT_EFFECTS:
             rivals = substitutes(best, name, turn)
+            rivals += loads_instead(best, name, frozenset(catalogue()) - _compared(found, instance.effect))
             contest += [_Contender(list(rival.hypothesis.added)[-1], bare, rival) for rival in rivals]
         contests.setdefault(contest[0].key, contest)
     return list(contests.values())
+
+
+def _compared(found: Discovery, effect: str) -> set[str]:
+    """The effects that the search compared with one that it holds."""
+    fits = [f for rivalry in found.rivalries if rivalry.effect == effect for f in rivalry.fits]
+    return {list(f.hypothesis.added.values())[-1].effect for f in fits if f.hypothesis.added}
 
 
 def _shared(contest: Sequence[_Contender], chances: dict[Kind, float], found: Discovery) -> dict[Kind, float]:

@@ -23,8 +23,8 @@ def idle_effects(found: Search, unseen: Unseen, kept: Collection[frozenset[str]]
     * Backlash or compliance that the encoders suggest but that removes little of the error there. In a loop with known
       constants it must remove more than it leaves: play and a shaft that winds up look alike to slow encoders.
     * An error of an encoder that removes little of the output's error there, with known constants and rigid teeth,
-      unless recordings that it was not fitted to show it between the encoders: a simulated output drifts, but a gearbox
-      that rings, or gives way by less than can be named, gains as much from the encoders of one recording.
+      unless recordings that it was not fitted to show it between the encoders, since a simulated output drifts. In one
+      recording nothing tells it from a gearbox that rings, or gives way by less than can be named.
     * A bristle that removes nothing there, since it acts only in the first moments of a motion.
     * With open constants: any effect on the torque that removes nothing there, or beside the noise adds to the error;
       and all that came after an error which was smaller than that of the end.

@@ -62,9 +62,14 @@ def _powers(unit: str) -> tuple[int, ...]:
 
 
 def is_scalable(unit: str) -> bool:
-    """Whether a rotary unit is made of known parts with whole powers: only then can its values be converted."""
-    parts = [part for slash, part, _ in _PART.findall(unit) if not slash]
-    return not _PART.sub("", unit).strip() and {*parts} <= {*_POWERS, *_UNSCALED}
+    """Whether a rotary unit is made of known parts with whole powers: only then can its values be converted.
+
+    A torque has no power of its own, since ``N m^2`` may mean either.
+    """
+    found = _PART.findall(unit)
+    known = all(slash or part in _POWERS or part in _UNSCALED for slash, part, _ in found)
+    unclear = any(part == "N m" and power for _, part, power in found) or unit.rstrip().endswith("/")
+    return known and not unclear and not _PART.sub("", unit).strip()
 
 
 @dataclass(frozen=True)

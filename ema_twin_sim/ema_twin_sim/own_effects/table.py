@@ -61,7 +61,9 @@ def _checked_parameter(check: _Check, parameter: object, number: int) -> Paramet
     place = f"EFFECT.parameters.{parameter.name}"
     check.text(parameter.unit, f"{place}.unit", "give a unit, '1' for none")
     if not is_scalable(parameter.unit):
-        remedy = "give a product of N m, kg m^2, rad, s, A, V or K with whole powers, as N m s/rad, or '1' for none"
+        remedy = (
+            "give N m, kg m^2, rad, rev, s, Hz, A, V, ohm, H or K with whole powers, as in N m s/rad, or '1' for none"
+        )
         raise check.error(f"{place}.unit", f"'{parameter.unit}' cannot be converted to other machines", remedy)
     check.text(parameter.description, f"{place}.description")
     lower, upper = (check.bound(getattr(parameter, name), f"{place}.{name}") for name in ("lower", "upper"))

@@ -36,7 +36,7 @@ class Rivalry:
     effect: str
     runner_up: str  # empty: no other effect was close
     behind: float  # how much the runner-up loses by, in units of noise
-    close: Mapping[str, float]  # odds (0 to 1) of the effects that the data cannot distinguish from it, against it
+    close: Mapping[str, float]  # the effects that the data cannot distinguish from it: the odds of each against it
     fits: tuple[Fit, ...]  # the substitutes together with all other effects, best first
 
     @property
@@ -144,19 +144,16 @@ def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Riv
         if compliant:
             stands_in = other_structures(best, name, without)
         else:
-            stands_in = [*substitutes(best, name, turn), *made_uncertain(found, name)]
+            stands_in = [*substitutes(best, name, turn), *loads_instead(best, name, without)]
+            stands_in += made_uncertain(found, name)
             stands_in += not_asked_then(best, name, turn, without)
         fits = sorted(stands_in, key=lambda f: -penalised_gain(best, f))
         worth = [penalised_gain(best, f) for f in fits]
         effects = [list(f.hypothesis.added.values())[-1].effect for f in fits]
         close: dict[str, float] = {}
         for effect, rival, gained in zip(effects, fits, worth, strict=True):
-            apart = math.sqrt(max(-gained, 0.0))  # twice a log-likelihood ratio is a square of standard deviations
-            if gained <= -RIVAL_MARGIN:
-                apart = max(_separation(leader, rival, instance.effect), 0.0)
-                if apart >= DECIDED:
-                    continue
-            close[effect] = max(close.get(effect, 0.0), math.exp(-0.5 * apart**2))
+            if gained > -RIVAL_MARGIN or _hardly_differ(leader, rival, instance.effect):
+                close[effect] = max(close.get(effect, 0.0), leader.odds_of(rival, gained))
         runner_up, behind = (effects[0], -worth[0]) if fits else ("", float("inf"))
         judged.append(Rivalry(instance.effect, runner_up, behind, close, tuple(fits)))
     return tuple(judged)
@@ -178,52 +175,55 @@ class _Leader:
 
     @cached_property
     def beside_its_wander(self) -> Fit:
-        return beside_its_wander(self.fit)
+        return beside_its_wander(self.fit) if self.fit.problem.size else self.fit
+
+    def odds_of(self, rival: Fit, gained: float) -> float:
+        """The odds of a rival that ``gained`` over this fit; those beside what wanders, if they are higher."""
+        here = self.beside_its_wander
+        beside = penalised_gain(here, as_compares(rival, here.problem))
+        return math.exp(0.5 * min(max(gained, beside), DECIDED**2))
 
 
 def _hardly_differ(leader: _Leader, rival: Fit, effect: str) -> bool:
-    """Whether a rival may explain less of the torque only by chance, since friction that wanders is smooth as well."""
-    return _separation(leader, rival, effect) < DECIDED
+    """Whether a rival may explain less of the torque only by chance, since friction that wanders is smooth as well.
 
-
-def _separation(leader: _Leader, rival: Fit, effect: str) -> float:
-    """Standard deviations by which the torque tells a rival from the leader, beside friction that wanders.
-
-    Infinite if it pulls constants from their file values or parts the encoders otherwise, whatever the torque tells, or
+    Not if it pulls constants from their file values or parts the encoders otherwise, whatever the torque tells, and not
     if the ``effect`` is one that every machine has and this model lacks: that one is there.
     """
     best = leader.fit
     if is_lacked(best.hypothesis, effect) or is_lacked(rival.hypothesis, effect):
-        return math.inf
+        return False
     if not best.problem.size or abs(rival.prior_cost - best.prior_cost) > RIVAL_MARGIN:
-        return math.inf
-    return math.inf if encoders_tell_apart(best, rival) else separation(leader.beside_its_wander, rival)
+        return False
+    return not encoders_tell_apart(best, rival) and separation(leader.beside_its_wander, rival) < DECIDED
 
 
 def substitutes(best: Fit, name: str, turn: Round) -> list[Fit]:
-    """The end of the search with an effect replaced by each that was close to it in its round.
-
-    A load at an angle of its own is replaced by the others at an angle of theirs too, which the round did not try: over
-    a part of a turn, an arm acts as a spring that is relaxed where the arm hangs, wherever the recordings start.
-    """
+    """The end of the search with an effect replaced by each that was close to it in its round."""
     winner = max(trial.gain for trial in turn.tried if name in trial.names)
-    replaced = best.hypothesis.added[name]
-    near = [
-        h
+    effect = best.hypothesis.added[name].effect
+    return [
+        fit(best.problem, h, 8, known=best)
         for other, h in came_near(best.hypothesis, name, turn, 0.5 * winner)
-        if not ENCODER_ONLY & {replaced.effect, other}  # what does not show in the torque replaces nothing that does
+        if not ENCODER_ONLY & {effect, other}  # an effect that does not show in the torque cannot replace one that does
     ]
-    if is_load_at_an_angle(replaced):
-        near += _other_loads(best.hypothesis.without(name), replaced.effect)
-    return [fit(best.problem, h, 8, known=best) for h in near]
 
 
-def _other_loads(bare: Hypothesis, effect: str) -> Iterator[Hypothesis]:
-    """The hypothesis with each load at an angle of its own, but for those of an ``effect``."""
-    for load in loads_at_an_angle(bare.base):
-        id = load.effect.id
-        if id != effect and id not in bare.effects and addable(bare, id):
-            yield bare.with_effect(id, load.options, {})
+def loads_instead(best: Fit, name: str, without: frozenset[str]) -> list[Fit]:
+    """The end of the search with a load at an angle of its own replaced by each other one, at the angle it then has.
+
+    The rounds did not try these: over a part of a turn, an arm acts as a spring that is relaxed where the arm hangs,
+    wherever the recordings start. Effects in ``without`` are left out.
+    """
+    replaced = best.hypothesis.added[name]
+    if not is_load_at_an_angle(replaced):
+        return []
+    bare = best.hypothesis.without(name)
+    return [
+        fit(best.problem, bare.with_effect(load.effect.id, load.options, {}), 8, known=best)
+        for load in loads_at_an_angle(bare.base)
+        if load.effect.id not in {replaced.effect, *without, *bare.effects} and addable(bare, load.effect.id)
+    ]
 
 
 def came_near(best: Hypothesis, name: str, turn: Round, least: float) -> Iterator[tuple[str, Hypothesis]]:
