@@ -22,6 +22,7 @@ from ema_twin_sim.model import load_model
 from ema_twin_sim.new_machine.shaft import positions_part, whole_ratio
 from tests.accuracy.strangers.cases import stranger_cases
 from tests.accuracy.strangers.servo import Servo
+from tests.recorded import with_signals
 
 PLAY, OFF_CENTRE = (
     next(case for case in stranger_cases(7, 9, plain=True) if case.hidden == (effect,))
@@ -54,6 +55,21 @@ def test_play_is_named_whatever_its_width(ratio, gap, rate, tmp_path):
     found = discover(recordings, model)
     assert (found.verdict, found.added) == ("explained", ("backlash",))
     assert found.parameters["backlash"]["width"]["value"] == pytest.approx(width, rel=0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("late", [2, 6, 12])  # samples
+def test_play_is_named_beside_a_late_encoder(late, tmp_path):
+    """What the delay leaves of the encoder difference is little of it, and far above the noise."""
+    play = {"backlash": {"width": 1e-3}}
+    recordings, model = drafted(changed(PLAY, 500.0, ratio=50.0, hidden=play), tmp_path)
+    signals = [dict(recording.signals) for recording in recordings]
+    for of in signals:
+        of["output_position"] = np.r_[np.full(late, of["output_position"][0]), of["output_position"][:-late]]
+    found = discover([with_signals(r, of) for r, of in zip(recordings, signals, strict=True)], model)
+    assert (found.verdict, {*found.added}) == ("explained", {"backlash", "encoder_delay"})
+    assert found.parameters["backlash"]["width"]["value"] == pytest.approx(1e-3, rel=0.05)
+    assert found.parameters["encoder_delay"]["delay"]["value"] == pytest.approx(late / 500.0, rel=0.02)
 
 
 @pytest.mark.slow
