@@ -453,6 +453,14 @@ def test_a_draft_is_no_measure_of_what_was_gained(models, recordings, findings):
     assert "175 A" not in head and "constants refitted of start values 30.0 mA" in text
 
 
+@pytest.mark.parametrize(("end", "does"), [(0.003, "account for the rest"), (0.031, "do not lower it")])
+def test_effects_account_for_the_rest_only_if_they_lower_the_error(models, recordings, findings, end, does):
+    """Those that the encoders alone show leave the torque's error where the constants brought it."""
+    unseen = replace(findings.unseen, rmse=(0.03, end), given=0.05, given_recordings=(0.04, 0.06))
+    text = Read(page(content_of(models, recordings[:2], replace(findings, unseen=unseen)))).text
+    assert f"from 50.0 mA to 30.0 mA. The effects found {does}" in text
+
+
 @pytest.mark.parametrize(("shift", "when"), [(0.2e-3, "earlier"), (-0.2e-3, "later")])
 def test_a_shift_between_setpoint_and_motion_is_told_as_what_it_is(stock, shift, when):
     """No effect of the catalogue is a fraction of a sample between setpoint and motion."""

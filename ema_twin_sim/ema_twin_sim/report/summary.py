@@ -116,9 +116,11 @@ def _lead(content: Content) -> str:
     said = listed(parts).removeprefix("that of")
     findings = content.findings
     refit = refit_sentence(findings.unseen, searched_model(content)) if findings and findings.unseen else ""
-    alone = (
-        f" {refit} The effects found account for the rest." if refit and findings and findings.added else f" {refit}"
-    )
+    alone = f" {refit}"
+    if refit and findings and findings.unseen and findings.added:
+        lower = findings.unseen.rmse[-1] < findings.unseen.rmse[0]
+        does = "account for the rest" if lower else "do not lower it: the steps show what they explain"
+        alone = f" {refit} The effects found {does}."
     of = f"From {content.names[0]} to {content.names[1]}" if len(content.models) == 2 else "With the effects found"
     if unseen is None:
         return f"{of}, the error (RMSE) of{said}.{alone} {_fitted(content)}".strip()
