@@ -290,6 +290,9 @@ class TestEncoders:
         before.misfits, after.misfits = (ROWS, 1600.0 * ROWS * share), (ROWS, 0.0)
         before.misfit, after.misfit = sum(before.misfits), sum(after.misfits)
         assert has_effect_size(problem, before, after) == enough
+        before.hypothesis = a_hypothesis(model, "encoder_delay")  # which may explain nearly all of it
+        after.hypothesis = a_hypothesis(model, "encoder_delay", "backlash")
+        assert has_effect_size(problem, before, after)
         before.hypothesis, after.hypothesis = a_hypothesis(stock), a_hypothesis(stock, "backlash")
         assert has_effect_size(problem, before, after)
 

@@ -207,7 +207,8 @@ def _hardly_parts(problem: EquationErrorProblem, before: Fit, after: Fit) -> boo
     parted, gone = 0.0, 0.0
     came = set(after.hypothesis.effects) - set(before.hypothesis.effects)
     # An encoder's error may be far larger than the backlash, so backlash is judged by what that error leaves.
-    beside_errors = not came.isdisjoint(COMPLIANT_EFFECTS)
+    known_errors = not problem.size or not ENCODER_ONLY.isdisjoint(before.hypothesis.effects)
+    beside_errors = known_errors and not came.isdisjoint(COMPLIANT_EFFECTS)
     for part in problem.encoder_parts:
         noise = problem.noise_of_encoders(part)
         difference = (before.raw if beside_errors else problem.measured)[part] * noise
