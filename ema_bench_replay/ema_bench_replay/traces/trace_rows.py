@@ -48,12 +48,13 @@ class RowReader:
         self.line = self.first_line = header_line + 1  # of the next row
         self.waiting = b""  # blank lines and comments that end the rows read so far
         self.warnings: list[str] = []
+        self.notes = 0  # rows so far that hold a cell below the header's last name, which is empty
         self.times_of_day: set[int] = set()  # columns that hold such
         self.empty: list[int] = []  # rows of the file, counted from 0, that hold nothing and are left out
         self.first: list[int] = []  # the first rows, counted likewise, that are left out since they lack numbers
         self.written_delimiter = delimiter or next((mark for mark in (";", "\t", ",") if mark in header), ";")
         cells = [with_marks_shown(cell.strip().strip('"').strip()) for cell in header.split(self.written_delimiter)]
-        self.trailing = len(cells) > 1 and not cells[-1] and not self._fills(body, len(cells))
+        self.trailing = len(cells) > 1 and not cells[-1]
         self.header = cells[:-1] if self.trailing else cells
         self.needed = sorted(needed(self.header))
         self.judged = self.needed or range(len(self.header))  # columns whose numbers a row at an end may lack
@@ -66,13 +67,6 @@ class RowReader:
         self.format = self._format(sample, number_format)
         self.grouped = self.format.thousands.encode() in sample and self.delimiter != self.format.thousands
         self.decimals = self._decimals(sample)
-
-    def _fills(self, body: bytes, count: int) -> bool:
-        """Whether a row fills the last of ``count`` cells, below an empty name: notes beside a table, as in Excel."""
-        mark = self.written_delimiter.encode()
-        if body.count(mark + b"\n") + body.count(mark + b"\r\n") == body.count(b"\n"):
-            return False
-        return any(len(cells := row.split(mark)) == count and cells[-1].strip() for row in body.splitlines())
 
     def style(self, newline: str) -> Style:
         """How the rows read so far are written; ``newline`` ends them."""
@@ -88,6 +82,7 @@ class RowReader:
             text = self._without_torn_row(text)
         rows = self._fast(text, len(self.header), self.trailing)
         if rows is None:
+            text = self._without_notes(text)
             rows = self._only_needed(text)
         if rows is None:
             rows = self._careful(text, is_last)
@@ -162,13 +157,27 @@ class RowReader:
         told = left_out_words(lines[0], len(lines), self.header[column], cell, at_begin=at_begin)
         self.warnings.append(f"{self.path.name}: {told}")
 
+    def _without_notes(self, text: bytes) -> bytes:
+        """The rows without what stands below a last empty name, as notes beside a table, unless most rows hold it."""
+        if not self.trailing:
+            return text
+        mark, width = self.delimiter.encode(), len(self.header) + 1
+        lines = [line.split(mark) for line in text.split(b"\n")]
+        noted = [cells for cells in lines if len(cells) == width and cells[-1]]
+        self.notes += len(noted)
+        if 2 * self.notes > self.line - self.first_line + text.count(b"\n"):
+            return text
+        for cells in noted:
+            cells[-1] = b""
+        return b"\n".join(mark.join(cells) for cells in lines)
+
     def _only_needed(self, text: bytes) -> np.ndarray | None:
         """The rows, with NaN in unneeded columns, if the others contain nothing unusual; otherwise None."""
         if not 0 < len(self.needed) < len(self.header):
             return None
         mark, width = self.delimiter.encode(), len(self.header) + self.trailing
         lines = [line.split(mark) for line in text.split(b"\n")[:-1]]
-        if any(len(cells) != width for cells in lines):
+        if any(len(cells) != width or (self.trailing and cells[-1]) for cells in lines):
             return None
         picked = b"".join(mark.join([cells[place] for place in self.needed]) + b"\n" for cells in lines)
         values = self._fast(picked, len(self.needed), trailing=False)
