@@ -48,6 +48,7 @@ class RowReader:
         self.line = self.first_line = header_line + 1  # of the next row
         self.waiting = b""  # blank lines and comments that end the rows read so far
         self.warnings: list[str] = []
+        self.names_numbers = False  # whether each row of the file names its numbers
         self.notes = 0  # rows so far that hold a cell below the header's last name, which is empty
         self.times_of_day: set[int] = set()  # columns that hold such
         self.empty: list[int] = []  # rows of the file, counted from 0, that hold nothing and are left out
@@ -243,8 +244,7 @@ class RowReader:
         for number, ((at, _), cells) in enumerate(zip(whole, split, strict=True)):
             if len(cells) != len(self.header):
                 self._refuse_unnamed([line for _, line in whole])
-                counts = f"has {len(cells)} cell{'s' * (len(cells) != 1)} where the header has {len(self.header)}"
-                raise InputError(f"{self.path}: line {at}: {counts}; remove or complete the row")
+                raise self._other_cells(at, len(cells))
             may_end = is_last and len(whole) - number <= MOST and at > self.first_line
             for column, cell in enumerate(cells):
                 try:
@@ -346,6 +346,14 @@ class RowReader:
             f"{self.path}: line {self.first_line - 1}: the header names {len(self.header)} columns, and each row has "
             f"{len(self.header) + more} cells; name {last} too"
         )
+
+    def _other_cells(self, line: int, count: int) -> InputError:
+        """That a row has another ``count`` of cells than the header has names."""
+        if self.names_numbers:
+            wrong = f"does not name {', '.join(self.header)}, in this order and each with a number; correct"
+            return InputError(f"{self.path}: line {line}: {wrong} or remove the row")
+        wrong = f"has {count} cell{'s' * (count != 1)} where the header has {len(self.header)}; remove or complete"
+        return InputError(f"{self.path}: line {line}: {wrong} the row")
 
     def _cells(self, line: str) -> list[str]:
         """The cells of a row, without the empty one that a delimiter at its end makes."""

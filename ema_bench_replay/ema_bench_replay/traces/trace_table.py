@@ -119,7 +119,8 @@ def _read(
             text = trace_text(path, file, delimiter)
             body, is_last = next(text.blocks)
             header = text.header
-            rows = RowReader(path, header.text, header.line, body, delimiter, number_format, needed)
+            rows = RowReader(path, header.text, header.line, body, text.delimiter, number_format, needed)
+            rows.names_numbers = text.names_numbers
             growing = [Column(np.float64) for _ in rows.header]
             for block, last in chain([(body, is_last)], text.blocks):
                 for column, values in zip(growing, rows.read(block, last).T, strict=True):
