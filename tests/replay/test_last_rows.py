@@ -118,3 +118,14 @@ def test_notes_far_below_are_not_read_either(tmp_path):
     rows = "".join(f"{row * 0.01:.2f};{row * 0.1:.1f};{row % 7}\n" for row in range(300_000))
     table = noted(tmp_path, lambda k: "stiff" if k == 299_990 else "", rows=rows, end="")
     assert len(table.columns[0]) == 300_000 and table.columns[2][299_990] == 299_990 % 7
+
+
+@pytest.mark.parametrize("rows", [5, 9])
+def test_both_ends_together_are_a_quarter_at_most(tmp_path, rows):
+    late, early = "-0.01;;1\n" * rows, "0.30;3.0;\n" * rows
+    if rows == 5:
+        table = read(tmp_path, early, rows=late + ROWS)
+        assert len(table.columns[0]) == 30 and len(table.warnings) == 2 and table.is_cut
+    else:
+        with pytest.raises(InputError, match="line 2: column 'pos': the cell is empty"):
+            read(tmp_path, early, rows=late + ROWS)

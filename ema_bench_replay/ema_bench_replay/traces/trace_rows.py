@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ema_bench_replay.errors import InputError, MissingNumberError
-from ema_bench_replay.traces.incomplete_ends import MOST, Cells, empty_ends, incomplete_rows, left_out_words
+from ema_bench_replay.traces.incomplete_ends import MOST, MOST_EMPTY, Cells, empty_ends, incomplete_rows, left_out_words
 from ema_bench_replay.traces.missing_numbers import holds_nothing, is_missing
 from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
 from ema_bench_replay.traces.quoted_cells import with_marks_shown
@@ -43,6 +43,7 @@ class RowReader:
         delimiter: str | None,
         number_format: str | None,
         needed: Callable[[list[str]], Collection[int]],
+        at_ends: Callable[[list[str]], Collection[int]] | None = None,
     ) -> None:
         self.path = path
         self.line = self.first_line = header_line + 1  # of the next row
@@ -53,12 +54,15 @@ class RowReader:
         self.times_of_day: set[int] = set()  # columns that hold such
         self.empty: list[int] = []  # rows of the file, counted from 0, that hold nothing and are left out
         self.first: list[int] = []  # the first rows, counted likewise, that are left out since they lack numbers
+        self.last = 0  # how many of the last rows are, likewise
         self.written_delimiter = delimiter or next((mark for mark in (";", "\t", ",") if mark in header), ";")
         cells = [with_marks_shown(cell.strip().strip('"').strip()) for cell in header.split(self.written_delimiter)]
         self.trailing = len(cells) > 1 and not cells[-1]
         self.header = cells[:-1] if self.trailing else cells
         self.needed = sorted(needed(self.header))
-        self.judged = self.needed or range(len(self.header))  # columns whose numbers a row at an end may lack
+        signals = sorted(at_ends(self.header)) if at_ends is not None else self.needed
+        self.signals_known = bool(signals)
+        self.judged = signals or range(len(self.header))  # columns whose numbers a row at an end may lack
         self.known = np.ones(len(self.header), dtype=bool)  # columns in which all cells so far hold numbers
         self.seen = np.zeros(len(self.header), dtype=bool)  # columns in which any cell so far holds one
         # A comma inside quotation marks is part of a number; those between cells become semicolons.
@@ -300,6 +304,9 @@ class RowReader:
         outside = np.isfinite(rows[: filled.start]).any(axis=0) | np.isfinite(rows[filled.stop :]).any(axis=0)
         if (outside & ~self.seen & ~np.isfinite(rows[filled.start : filled.stop]).any(axis=0)).any():
             filled = range(count)
+        left = len(self.first) + count - len(filled)  # at both ends
+        if self.signals_known and left > max(MOST, MOST_EMPTY * (lines[-1] - self.first_line + 1 if lines else 0)):
+            filled = range(count)
         for column in self.needed:
             at = next((row for row in filled if row not in between[column]), None)
             if at is not None:
@@ -308,6 +315,7 @@ class RowReader:
             self._report_left_out(lines[: filled.start], first, split[0][first], at_begin=True)
             self.first = [line - self.first_line for line in lines[: filled.start]]
         if filled.stop < count:
+            self.last = count - filled.stop
             self._report_left_out(lines[filled.stop :], last, split[filled.stop][last], at_begin=False)
         return filled
 
