@@ -230,19 +230,13 @@ class RowReader:
         The file's first and last few rows are left out if they lack numbers that all others hold, as a logger writes
         that is switched on before its drive answers, or off meanwhile; and more of them if cells of them are empty.
         """
-        numbered = [(self.line + k, line) for k, line in enumerate(text.decode("latin-1").split("\n")[:-1])]
-        whole = [(at, line) for at, line in numbered if not holds_nothing(line.split(self.delimiter))]
-        held = {at for at, _ in whole}
-        self.empty += [at - self.first_line for at, _ in numbered if at not in held]
-        if is_last and whole and whole[-1] == numbered[-1] and len(self._cells(whole[-1][1])) < len(self.header):
-            self._report_torn(whole[-1][0])
-            whole.pop()
+        whole = self._whole_rows(text, is_last)
         rows = np.empty((len(whole), len(self.header)))
         split = [self._cells(line) for _, line in whole]
-        empty_first, empty_last = empty_ends(split, self.line - self.first_line + len(whole))
-        empty_first = empty_first if self.line == self.first_line else {}
-        empty_last = empty_last if is_last else {}
-        begins = self.line == self.first_line and len(whole) > 2 * MOST
+        is_first = self.line == self.first_line
+        first, last = empty_ends(split, self.line - self.first_line + len(whole))
+        empty_first, empty_last = first if is_first else {}, last if is_last else {}
+        begins = is_first and len(whole) > 2 * MOST
         at_begin: dict[int, dict[int, str]] = {}  # cells of the first rows that are no numbers, by row and column
         at_end: dict[int, dict[int, str]] = {}  # those of the last rows
         for number, ((at, _), cells) in enumerate(zip(whole, split, strict=True)):
@@ -270,11 +264,30 @@ class RowReader:
                         raise self._no_number(at, column, cell) from None
         lines = [at for at, _ in whole]
         filled = self._filled(rows, empty_first, empty_last, split, lines)
-        at_begin = {} if filled.start else at_begin
-        at_end = {row - filled.start: cells for row, cells in at_end.items() if row < filled.stop}
-        rows, lines = rows[filled.start : filled.stop], lines[filled.start : filled.stop]
-        kept = self._first_kept(rows[: len(rows) - len(at_end)], at_begin, lines)
-        return self._without_end(rows[kept:], {row - kept: cells for row, cells in at_end.items()}, lines[kept:])
+        return self._without_few(rows, filled, {} if filled.start else at_begin, at_end, lines)
+
+    def _whole_rows(self, text: bytes, is_last: bool) -> list[tuple[int, str]]:
+        """The lines of a text with their numbers, without those that hold nothing and without a cut last row."""
+        numbered = [(self.line + k, line) for k, line in enumerate(text.decode("latin-1").split("\n")[:-1])]
+        whole = [(at, line) for at, line in numbered if not holds_nothing(line.split(self.delimiter))]
+        held = {at for at, _ in whole}
+        self.empty += [at - self.first_line for at, _ in numbered if at not in held]
+        if is_last and whole and whole[-1] == numbered[-1] and len(self._cells(whole[-1][1])) < len(self.header):
+            self._report_torn(whole.pop()[0])
+        return whole
+
+    def _without_few(
+        self, rows: np.ndarray, filled: range, at_begin: Cells, at_end: Cells, lines: Sequence[int]
+    ) -> np.ndarray:
+        """Those of the rows that are ``filled``, without the few at both ends that lack numbers.
+
+        ``at_begin`` and ``at_end`` are the cells there that are none, ``lines`` those of all rows.
+        """
+        last = {row: cells for row, cells in at_end.items() if row < filled.stop}
+        inside = rows[filled.start : filled.stop - len(last)]
+        begin = filled.start + self._first_kept(inside, at_begin, lines[filled.start : filled.stop])
+        below = {row - begin: cells for row, cells in last.items()}
+        return self._without_end(rows[begin : filled.stop], below, lines[begin : filled.stop])
 
     def _filled(
         self,
