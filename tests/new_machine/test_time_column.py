@@ -114,3 +114,24 @@ def test_uneven_steps_of_a_clock_named_so_behind_other_words_are_no_doubt():
 def test_a_symbol_of_time_behind_words_of_its_own_is_no_clock():
     columns = {"pos": np.sin(POINTS), "heat t": POINTS, "iq": POINTS % 3.0}
     assert guess_columns(list(columns), numbers=columns).time is None
+
+
+@pytest.mark.parametrize(
+    "before", ["timed run/", "time test ", "current log/", "Drehmoment_Test.", "speed_test/drive1/"]
+)
+@pytest.mark.parametrize(
+    "names", [("motor position", "current", "t"), ("motor pos", "iq", "time [s]"), ("pos", "strom", "zeit")]
+)
+def test_quantities_with_which_all_names_begin_are_not_those_of_the_columns(before, names):
+    position, current, clock = (f"{before}{name}" for name in names)
+    columns = {position: np.sin(POINTS), current: POINTS % 3.0, clock: 0.5 * POINTS}
+    guesses = guess_columns(list(columns), numbers=columns)
+    assert guesses.time.column == clock
+    assert {guess.signal: guess.column for guess in guesses.signals} == {"motor_position": position, "current": current}
+
+
+def test_a_quantity_that_all_columns_give_is_theirs():
+    columns = {"position motor": np.sin(POINTS), "position output": 0.1 * np.sin(POINTS)}
+    assert {guess.signal for guess in guess_columns(list(columns)).signals} == {"motor_position", "output_position"}
+    phases = ["current phase 1", "current phase 2", "current time"]
+    assert [guess.signal for guess in guess_columns(phases).signals] == ["current"]

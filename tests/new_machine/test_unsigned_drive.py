@@ -205,3 +205,33 @@ def test_the_noise_of_a_magnitude_goes_below_zero_where_the_machine_rests(dry, d
     way = np.cumsum(speed) * 2e-3
     draft = drafted({"time [s]": TIME, "motor position [rad]": way, "current [A]": magnitude})
     assert "never negative but by its noise, so it looks like a magnitude" in draft.warned
+
+
+@pytest.mark.parametrize(
+    ("weight", "dry", "viscous", "inertia", "noise", "turns"),
+    [
+        (0.67, 0.3, 0.007, 1e-3, 0.281, 1.05),
+        (0.33, 0.13, 0.0, 0.0, 0.089, 4.94),
+        (0.7, 0.19, 0.021, 1e-2, 0.185, 0.66),
+        (0.86, 0.14, 1e-3, 1e-3, 0.486, 1.39),
+        (0.63, 0.23, 1e-3, 0.0, 0.206, 1.85),
+    ],
+)
+@pytest.mark.parametrize("back", [1.0, 0.25])
+def test_a_load_over_the_position_leaves_a_noisy_current_its_sign(weight, dry, viscous, inertia, noise, turns, back):
+    """Under a load that goes down to zero on the way, a current is negative in stretches that noise nearly hides."""
+    time = 5e-3 * np.arange(4000)
+    speed = 20.0 * np.sin(turns * time)
+    speed[speed < 0.0] *= back
+    way = np.cumsum(speed) * 5e-3
+    drive = weight * np.abs(np.sin(way / 3.0)) + dry * np.sign(speed) + viscous * speed
+    drive += inertia * np.gradient(speed, time) + noise * np.random.default_rng(8).normal(size=len(time))
+    signals = {"motor_position": way, "current": drive}
+    assert (drive < 0.0).any()
+    assert not unsigned_signals([Recording("r", np.rint(time * 1e9).astype(np.int64), signals)])
+
+
+def test_a_current_that_noise_hides_in_each_sample_shows_its_sign_in_stretches():
+    speed = SPEEDS["steps"]
+    drive = 0.5 + 0.9 * np.tanh(2.0 * speed) + 0.4 * np.random.default_rng(9).normal(size=len(TIME))
+    assert not unsigned_signals([recorded(speed, drive)])

@@ -88,9 +88,44 @@ def test_rows_that_alone_hold_numbers_of_a_column_stay_if_none_is_needed(tmp_pat
     assert len(table.columns[0]) == 39
 
 
-def test_notes_beside_a_table_are_a_column_without_a_name(tmp_path):
+def noted(tmp_path, note, *, needed=all_columns, rows=ROWS, end="0.30;3.0;1;\n"):
+    """A table whose header ends in an empty name, below which its row number k holds ``note(k)``."""
+    lines = "".join(f"{line};{note(k)}\n" for k, line in enumerate(rows.splitlines()))
+    return read(tmp_path, end, "t;pos;cur;", needed, lines)
+
+
+@pytest.mark.parametrize("needed", [all_columns, lambda header: (), lambda header: (0, 2)])
+@pytest.mark.parametrize("note", ["stiff", "7"])
+@pytest.mark.parametrize("at", [(0,), (4, 5, 20), range(14), (29,)])
+def test_notes_beside_a_table_are_not_read(tmp_path, needed, note, at):
     """A spreadsheet's remark right of the table, below an empty name, was a cell too many."""
-    rows = "".join(f"{line};\n" for line in ROWS.splitlines())
-    table = read(tmp_path, "0.30;3.0;1;stiff\n", "t;pos;cur;", lambda header: (0, 1, 2), rows)
-    assert table.header == ["t", "pos", "cur", ""] and len(table.columns[0]) == 31
-    assert read(tmp_path, "", "t;pos;cur;", rows=rows).header == ["t", "pos", "cur"]
+    table = noted(tmp_path, lambda k: note if k in at else "", needed=needed)
+    assert table.header == ["t", "pos", "cur"] and len(table.columns[0]) == 31
+    assert table.columns[0][4] == 0.04 and table.columns[2][4] == 4.0
+
+
+@pytest.mark.parametrize("needed", [all_columns, lambda header: (), lambda header: (0, 2)])
+@pytest.mark.parametrize("end", ["0.30;3.0;1;9\n", ""])
+def test_a_column_without_a_name_that_most_rows_fill_is_refused(tmp_path, needed, end):
+    """All numbers may stand a column too far to the right: the number of the row was read as the time."""
+    with pytest.raises(InputError, match="line 1: the header names 3 columns, and each row has 4 cells"):
+        noted(tmp_path, str, needed=needed, end=end)
+    with pytest.raises(InputError, match="line 2: has 4 cells where the header has 3"):
+        noted(tmp_path, lambda k: k if k % 3 else "x" * (k < 20), needed=needed)
+
+
+def test_notes_far_below_are_not_read_either(tmp_path):
+    rows = "".join(f"{row * 0.01:.2f};{row * 0.1:.1f};{row % 7}\n" for row in range(300_000))
+    table = noted(tmp_path, lambda k: "stiff" if k == 299_990 else "", rows=rows, end="")
+    assert len(table.columns[0]) == 300_000 and table.columns[2][299_990] == 299_990 % 7
+
+
+@pytest.mark.parametrize("rows", [5, 9])
+def test_both_ends_together_are_a_quarter_at_most(tmp_path, rows):
+    late, early = "-0.01;;1\n" * rows, "0.30;3.0;\n" * rows
+    if rows == 5:
+        table = read(tmp_path, early, rows=late + ROWS)
+        assert len(table.columns[0]) == 30 and len(table.warnings) == 2 and table.is_cut
+    else:
+        with pytest.raises(InputError, match="line 2: column 'pos': the cell is empty"):
+            read(tmp_path, early, rows=late + ROWS)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.traces.named_numbers import named_numbers
 from ema_bench_replay.traces.trace_table import all_columns, read_table
 
 
@@ -38,7 +39,9 @@ def test_what_is_printed_before_them_is_no_row(tmp_path):
 
 def test_a_line_among_them_that_is_none_is_named(tmp_path):
     rows = "".join(f"t: {k} pos: {k % 7}\n" for k in range(20))
-    with pytest.raises(InputError, match="line 21: has 1 cell where the header has 2"):
+    with pytest.raises(
+        InputError, match="line 21: does not name t, pos, in this order and each with a number; correct"
+    ):
         read(tmp_path, f"{rows}DONE POSITIONING\n{rows}")
 
 
@@ -53,3 +56,43 @@ def test_many_rows_are_read_in_blocks(tmp_path):
     table = read(tmp_path, "".join(f"t: {k} position [rad]: {0.5 * k}\n" for k in range(rows)))
     assert table.header == ["t", "position [rad]"] and len(table.columns[1]) == rows
     assert table.columns[1][-1] == 0.5 * (rows - 1)
+
+
+@pytest.mark.parametrize("apart", [" ", ",", "\t"])
+@pytest.mark.parametrize("row", ["t: 3{0}cur: 5", "pos: 4{0}t: 3{0}cur: 5", "t: 3{0}pos: x{0}cur: 5"])
+def test_a_row_that_names_others_is_told_as_such(tmp_path, apart, row):
+    rows = "".join(
+        f"t: {k} pos: {k % 7} cur: {k % 5}\n".replace(" ", apart).replace(f":{apart}", ": ") for k in range(9)
+    )
+    with pytest.raises(InputError, match="line 10: does not name t, pos, cur, in this order"):
+        read(tmp_path, f"{rows}{row.format(apart)}\n{rows}")
+
+
+@pytest.mark.parametrize("missing", ["inf", "-inf", "nan"])
+def test_a_number_that_is_none_is_told_with_its_column(tmp_path, missing):
+    rows = "".join(f"t: {k} pos: {k % 7}\n" for k in range(9))
+    with pytest.raises(InputError, match="line 10: column 'pos'"):
+        read(tmp_path, f"{rows}t: 9 pos: {missing}\n{rows}")
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_blank_lines_between_them_are_no_rows(tmp_path, end):
+    (tmp_path / "run.txt").write_bytes("".join(f"t: {k} pos: {0.5 * k}{end}{end}" for k in range(50)).encode())
+    table = read_table(tmp_path / "run.txt", needed=all_columns)
+    np.testing.assert_array_equal(table.columns[1], 0.5 * np.arange(50))
+    assert table.line(3) == 7
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t"])
+def test_the_maps_delimiter_does_not_matter(tmp_path, delimiter):
+    (tmp_path / "run.txt").write_text("".join(f"t:{k},pos:{k % 7}\n" for k in range(50)))
+    table = read_table(tmp_path / "run.txt", delimiter)
+    assert table.header == ["t", "pos"] and len(table.columns[0]) == 50
+
+
+@pytest.mark.parametrize("long", ["Measured{}here", "t:{}x", "a{0}b{0}c", "{}=", "t: 1 {}"])
+@pytest.mark.parametrize("fill", [" ", "a", "1", "a ", "\t", " \t", "=", ";", ".1"])
+def test_a_long_line_is_no_such_row(long, fill):
+    """It is read as fast as any other: this would not end if the time rose with the square of its length."""
+    line = long.format(fill * (200_000 // len(fill))).encode()
+    assert named_numbers(b"\n".join([line] * 3)) is None

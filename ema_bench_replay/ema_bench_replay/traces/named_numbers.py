@@ -10,8 +10,11 @@ from itertools import pairwise
 
 MOST_LINES = 200
 """Lines among which the first such row must be."""
-_PAIR = re.compile(
-    rb"[ \t,;]*([^\W\d][^:=,;\t\n]*?)[ \t]*[:=][ \t]*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|nan)(?=[ \t,;\r]|$)",
+_WORD = rb"[^:=,;\s]"
+_NUMBER = rb"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[-+]?\d+)?|nan|[-+]?inf"
+_PAIR = re.compile(  # a name of a few words, one blank between them, so that no long line takes long
+    rb"[ \t,;]*([^\W\d]" + _WORD + rb"{0,40}(?: " + _WORD + rb"{1,40}){0,7})[ \t]*[:=][ \t]*"
+    rb"(" + _NUMBER + rb")(?=[ \t,;\r]|$)",
     re.IGNORECASE,
 )
 Names = tuple[bytes, ...]
@@ -32,11 +35,15 @@ def named_numbers(block: bytes) -> tuple[bytes, Names] | None:
 
 
 def without_names(block: bytes, names: Names) -> bytes:
-    """Rows with tabs between their numbers; lines that do not name these stay as they are."""
-    return b"\n".join(
-        b"\t".join(found[1]) if (found := _pairs(line)) is not None and found[0] == names else line
-        for line in block.split(b"\n")
-    )
+    """Rows with tabs between their numbers. A blank line is one without numbers; any other is a single cell."""
+    *above, last = block.split(b"\n")
+    empty = b"\t" * (len(names) - 1)
+    return b"\n".join([*(_row(line, names) or empty for line in above), _row(last, names)])
+
+
+def _row(line: bytes, names: Names) -> bytes:
+    found = _pairs(line)
+    return b"\t".join(found[1]) if found is not None and found[0] == names else line.strip().replace(b"\t", b" ")
 
 
 def _pairs(line: bytes) -> tuple[Names, tuple[bytes, ...]] | None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ema_bench_replay.errors import InputError, MissingNumberError
-from ema_bench_replay.traces.incomplete_ends import MOST, Cells, empty_ends, incomplete_rows, left_out_words
+from ema_bench_replay.traces.incomplete_ends import MOST, MOST_EMPTY, Cells, empty_ends, incomplete_rows, left_out_words
 from ema_bench_replay.traces.missing_numbers import holds_nothing, is_missing
 from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
 from ema_bench_replay.traces.quoted_cells import with_marks_shown
@@ -43,20 +43,26 @@ class RowReader:
         delimiter: str | None,
         number_format: str | None,
         needed: Callable[[list[str]], Collection[int]],
+        at_ends: Callable[[list[str]], Collection[int]] | None = None,
     ) -> None:
         self.path = path
         self.line = self.first_line = header_line + 1  # of the next row
         self.waiting = b""  # blank lines and comments that end the rows read so far
         self.warnings: list[str] = []
+        self.names_numbers = False  # whether each row of the file names its numbers
+        self.notes = 0  # rows so far that hold a cell below the header's last name, which is empty
         self.times_of_day: set[int] = set()  # columns that hold such
         self.empty: list[int] = []  # rows of the file, counted from 0, that hold nothing and are left out
         self.first: list[int] = []  # the first rows, counted likewise, that are left out since they lack numbers
+        self.last = 0  # how many of the last rows are, likewise
         self.written_delimiter = delimiter or next((mark for mark in (";", "\t", ",") if mark in header), ";")
         cells = [with_marks_shown(cell.strip().strip('"').strip()) for cell in header.split(self.written_delimiter)]
-        self.trailing = len(cells) > 1 and not cells[-1] and not self._fills(body, len(cells))
+        self.trailing = len(cells) > 1 and not cells[-1]
         self.header = cells[:-1] if self.trailing else cells
         self.needed = sorted(needed(self.header))
-        self.judged = self.needed or range(len(self.header))  # columns whose numbers a row at an end may lack
+        signals = sorted(at_ends(self.header)) if at_ends is not None else self.needed
+        self.signals_known = bool(signals)
+        self.judged = signals or range(len(self.header))  # columns whose numbers a row at an end may lack
         self.known = np.ones(len(self.header), dtype=bool)  # columns in which all cells so far hold numbers
         self.seen = np.zeros(len(self.header), dtype=bool)  # columns in which any cell so far holds one
         # A comma inside quotation marks is part of a number; those between cells become semicolons.
@@ -66,13 +72,6 @@ class RowReader:
         self.format = self._format(sample, number_format)
         self.grouped = self.format.thousands.encode() in sample and self.delimiter != self.format.thousands
         self.decimals = self._decimals(sample)
-
-    def _fills(self, body: bytes, count: int) -> bool:
-        """Whether a row fills the last of ``count`` cells, below an empty name: notes beside a table, as in Excel."""
-        mark = self.written_delimiter.encode()
-        if body.count(mark + b"\n") + body.count(mark + b"\r\n") == body.count(b"\n"):
-            return False
-        return any(len(cells := row.split(mark)) == count and cells[-1].strip() for row in body.splitlines())
 
     def style(self, newline: str) -> Style:
         """How the rows read so far are written; ``newline`` ends them."""
@@ -88,6 +87,7 @@ class RowReader:
             text = self._without_torn_row(text)
         rows = self._fast(text, len(self.header), self.trailing)
         if rows is None:
+            text = self._without_notes(text)
             rows = self._only_needed(text)
         if rows is None:
             rows = self._careful(text, is_last)
@@ -162,13 +162,27 @@ class RowReader:
         told = left_out_words(lines[0], len(lines), self.header[column], cell, at_begin=at_begin)
         self.warnings.append(f"{self.path.name}: {told}")
 
+    def _without_notes(self, text: bytes) -> bytes:
+        """The rows without what stands below a last empty name, as notes beside a table, unless most rows hold it."""
+        if not self.trailing:
+            return text
+        mark, width = self.delimiter.encode(), len(self.header) + 1
+        lines = [line.split(mark) for line in text.split(b"\n")]
+        noted = [cells for cells in lines if len(cells) == width and cells[-1]]
+        self.notes += len(noted)
+        if 2 * self.notes > self.line - self.first_line + text.count(b"\n"):
+            return text
+        for cells in noted:
+            cells[-1] = b""
+        return b"\n".join(mark.join(cells) for cells in lines)
+
     def _only_needed(self, text: bytes) -> np.ndarray | None:
         """The rows, with NaN in unneeded columns, if the others contain nothing unusual; otherwise None."""
         if not 0 < len(self.needed) < len(self.header):
             return None
         mark, width = self.delimiter.encode(), len(self.header) + self.trailing
         lines = [line.split(mark) for line in text.split(b"\n")[:-1]]
-        if any(len(cells) != width for cells in lines):
+        if any(len(cells) != width or (self.trailing and cells[-1]) for cells in lines):
             return None
         picked = b"".join(mark.join([cells[place] for place in self.needed]) + b"\n" for cells in lines)
         values = self._fast(picked, len(self.needed), trailing=False)
@@ -216,26 +230,19 @@ class RowReader:
         The file's first and last few rows are left out if they lack numbers that all others hold, as a logger writes
         that is switched on before its drive answers, or off meanwhile; and more of them if cells of them are empty.
         """
-        numbered = [(self.line + k, line) for k, line in enumerate(text.decode("latin-1").split("\n")[:-1])]
-        whole = [(at, line) for at, line in numbered if not holds_nothing(line.split(self.delimiter))]
-        held = {at for at, _ in whole}
-        self.empty += [at - self.first_line for at, _ in numbered if at not in held]
-        if is_last and whole and whole[-1] == numbered[-1] and len(self._cells(whole[-1][1])) < len(self.header):
-            self._report_torn(whole[-1][0])
-            whole.pop()
+        whole = self._whole_rows(text, is_last)
         rows = np.empty((len(whole), len(self.header)))
         split = [self._cells(line) for _, line in whole]
-        empty_first, empty_last = empty_ends(split, self.line - self.first_line + len(whole))
-        empty_first = empty_first if self.line == self.first_line else {}
-        empty_last = empty_last if is_last else {}
-        begins = self.line == self.first_line and len(whole) > 2 * MOST
+        is_first = self.line == self.first_line
+        first, last = empty_ends(split, self.line - self.first_line + len(whole))
+        empty_first, empty_last = first if is_first else {}, last if is_last else {}
+        begins = is_first and len(whole) > 2 * MOST
         at_begin: dict[int, dict[int, str]] = {}  # cells of the first rows that are no numbers, by row and column
         at_end: dict[int, dict[int, str]] = {}  # those of the last rows
         for number, ((at, _), cells) in enumerate(zip(whole, split, strict=True)):
             if len(cells) != len(self.header):
                 self._refuse_unnamed([line for _, line in whole])
-                counts = f"has {len(cells)} cell{'s' * (len(cells) != 1)} where the header has {len(self.header)}"
-                raise InputError(f"{self.path}: line {at}: {counts}; remove or complete the row")
+                raise self._other_cells(at, len(cells))
             may_end = is_last and len(whole) - number <= MOST and at > self.first_line
             for column, cell in enumerate(cells):
                 try:
@@ -257,11 +264,30 @@ class RowReader:
                         raise self._no_number(at, column, cell) from None
         lines = [at for at, _ in whole]
         filled = self._filled(rows, empty_first, empty_last, split, lines)
-        at_begin = {} if filled.start else at_begin
-        at_end = {row - filled.start: cells for row, cells in at_end.items() if row < filled.stop}
-        rows, lines = rows[filled.start : filled.stop], lines[filled.start : filled.stop]
-        kept = self._first_kept(rows[: len(rows) - len(at_end)], at_begin, lines)
-        return self._without_end(rows[kept:], {row - kept: cells for row, cells in at_end.items()}, lines[kept:])
+        return self._without_few(rows, filled, {} if filled.start else at_begin, at_end, lines)
+
+    def _whole_rows(self, text: bytes, is_last: bool) -> list[tuple[int, str]]:
+        """The lines of a text with their numbers, without those that hold nothing and without a cut last row."""
+        numbered = [(self.line + k, line) for k, line in enumerate(text.decode("latin-1").split("\n")[:-1])]
+        whole = [(at, line) for at, line in numbered if not holds_nothing(line.split(self.delimiter))]
+        held = {at for at, _ in whole}
+        self.empty += [at - self.first_line for at, _ in numbered if at not in held]
+        if is_last and whole and whole[-1] == numbered[-1] and len(self._cells(whole[-1][1])) < len(self.header):
+            self._report_torn(whole.pop()[0])
+        return whole
+
+    def _without_few(
+        self, rows: np.ndarray, filled: range, at_begin: Cells, at_end: Cells, lines: Sequence[int]
+    ) -> np.ndarray:
+        """Those of the rows that are ``filled``, without the few at both ends that lack numbers.
+
+        ``at_begin`` and ``at_end`` are the cells there that are none, ``lines`` those of all rows.
+        """
+        last = {row: cells for row, cells in at_end.items() if row < filled.stop}
+        inside = rows[filled.start : filled.stop - len(last)]
+        begin = filled.start + self._first_kept(inside, at_begin, lines[filled.start : filled.stop])
+        below = {row - begin: cells for row, cells in last.items()}
+        return self._without_end(rows[begin : filled.stop], below, lines[begin : filled.stop])
 
     def _filled(
         self,
@@ -291,6 +317,9 @@ class RowReader:
         outside = np.isfinite(rows[: filled.start]).any(axis=0) | np.isfinite(rows[filled.stop :]).any(axis=0)
         if (outside & ~self.seen & ~np.isfinite(rows[filled.start : filled.stop]).any(axis=0)).any():
             filled = range(count)
+        left = len(self.first) + count - len(filled)  # at both ends
+        if self.signals_known and left > max(MOST, MOST_EMPTY * (lines[-1] - self.first_line + 1 if lines else 0)):
+            filled = range(count)
         for column in self.needed:
             at = next((row for row in filled if row not in between[column]), None)
             if at is not None:
@@ -299,6 +328,7 @@ class RowReader:
             self._report_left_out(lines[: filled.start], first, split[0][first], at_begin=True)
             self.first = [line - self.first_line for line in lines[: filled.start]]
         if filled.stop < count:
+            self.last = count - filled.stop
             self._report_left_out(lines[filled.stop :], last, split[filled.stop][last], at_begin=False)
         return filled
 
@@ -337,6 +367,14 @@ class RowReader:
             f"{self.path}: line {self.first_line - 1}: the header names {len(self.header)} columns, and each row has "
             f"{len(self.header) + more} cells; name {last} too"
         )
+
+    def _other_cells(self, line: int, count: int) -> InputError:
+        """That a row has another ``count`` of cells than the header has names."""
+        if self.names_numbers:
+            wrong = f"does not name {', '.join(self.header)}, in this order and each with a number; correct"
+            return InputError(f"{self.path}: line {line}: {wrong} or remove the row")
+        wrong = f"has {count} cell{'s' * (count != 1)} where the header has {len(self.header)}; remove or complete"
+        return InputError(f"{self.path}: line {line}: {wrong} the row")
 
     def _cells(self, line: str) -> list[str]:
         """The cells of a row, without the empty one that a delimiter at its end makes."""

@@ -40,6 +40,7 @@ class TraceTable:
     warnings: tuple[str, ...]
     left_out: tuple[int, ...] = ()  # rows of the file, counted from 0 below the header, that are not in the columns
     in_seconds: frozenset[str] = frozenset()  # columns of times of day or dates, converted to s
+    is_cut: bool = False  # whether rows at an end are left out, since they lack numbers that all others hold
 
     @property
     def numbers(self) -> dict[str, np.ndarray]:
@@ -74,6 +75,7 @@ def read_table(
     number_format: str | None = None,
     needed: Callable[[list[str]], Collection[int]] = all_columns,
     progress: Callable[[float], None] = lambda share: None,
+    at_ends: Callable[[list[str]], Collection[int]] | None = None,
 ) -> TraceTable:
     """Read a delimited text file: one header line and numbers below it.
 
@@ -82,14 +84,15 @@ def read_table(
     values, below each signal's name get one column for the time. Blank lines and comments may end the file. Columns may
     be separated by blanks, and a semicolon may end each row. Times of day and dates are converted to s. Rows that hold
     nothing in any column are left out, with one warning. An incomplete last row is dropped, with a warning, and so are
-    up to three first and last rows that lack a number in a needed column (in any if none is needed) in which all others
-    hold one, or up to a quarter of the rows if its cells are empty there (beyond 4 MB, within the last block). Merged
+    up to three first and last rows that lack a number in which all others hold one, in one of the columns `at_ends` (by
+    default the needed ones, or any if none is needed), or up to a quarter of the rows if its cells are empty there: at
+    both ends together, unless any column counts (beyond 4 MB, within the first and the last block). Merged
     topics, each with rows of its own, are joined, with a warning. `delimiter` and `number_format` ("german", "english")
     are detected if they are None. `needed` returns for a header the columns that must hold numbers; others may hold
     words and empty cells. `progress` is called with the share read so far. Raises InputError.
     """
     try:
-        table = _read(path, delimiter, number_format, needed, progress)
+        table = _read(path, delimiter, number_format, needed, progress, at_ends)
         return table if needed(table.header) else with_topics_joined(table) or table
     except MissingNumberError as missing:
         try:
@@ -107,6 +110,7 @@ def _read(
     number_format: str | None,
     needed: Callable[[list[str]], Collection[int]],
     progress: Callable[[float], None],
+    at_ends: Callable[[list[str]], Collection[int]] | None = None,
 ) -> TraceTable:
     """The table as its cells stand in the file. Raises MissingNumberError if a needed one is empty, else InputError."""
     try:
@@ -119,7 +123,8 @@ def _read(
             text = trace_text(path, file, delimiter)
             body, is_last = next(text.blocks)
             header = text.header
-            rows = RowReader(path, header.text, header.line, body, delimiter, number_format, needed)
+            rows = RowReader(path, header.text, header.line, body, text.delimiter, number_format, needed, at_ends)
+            rows.names_numbers = text.names_numbers
             growing = [Column(np.float64) for _ in rows.header]
             for block, last in chain([(body, is_last)], text.blocks):
                 for column, values in zip(growing, rows.read(block, last).T, strict=True):
@@ -147,6 +152,7 @@ def _read(
         tuple(rows.warnings),
         tuple(sorted((*rows.empty, *rows.first))),
         in_seconds=in_seconds,
+        is_cut=bool(rows.first or rows.last),
     )
     return with_common_time(table) if header.pairs else table
 

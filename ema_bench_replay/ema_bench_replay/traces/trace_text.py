@@ -24,6 +24,8 @@ class TraceText:
 
     header: HeaderLines
     blocks: Iterator[tuple[bytes, bool]]
+    delimiter: str | None  # None: to be told by the header
+    names_numbers: bool = False  # whether each row of the file names its numbers
 
 
 def trace_text(path: Path, file: BinaryIO, delimiter: str | None) -> TraceText:
@@ -36,6 +38,7 @@ def trace_text(path: Path, file: BinaryIO, delimiter: str | None) -> TraceText:
     refuse_keyed_trace(path, first)
     if (named := named_numbers(first)) is not None:
         first, names = named
+        delimiter = "\t"
         blocks = ((without_names(block, names), last) for block, last in blocks)
     unended = first if delimiter == ";" else without_row_ends(first)
     if unended is not first:
@@ -46,7 +49,7 @@ def trace_text(path: Path, file: BinaryIO, delimiter: str | None) -> TraceText:
     header = _header(path, first)
     if named is not None:  # its header is no line of the file
         header = replace(header, line=header.line - 1)
-    return TraceText(header, chain([(first[header.end :], is_last)], blocks))
+    return TraceText(header, chain([(first[header.end :], is_last)], blocks), delimiter, named is not None)
 
 
 def _header(path: Path, block: bytes) -> HeaderLines:

@@ -198,6 +198,7 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
     from ..new_machine.interleaved_rows import refuse_interleaved_rows
     from ..new_machine.lengths import at_the_slide, how_to_use_length
     from ..new_machine.rows import with_kind_of_rows
+    from ..new_machine.rows_at_ends import with_rows_of_others
     from ..new_machine.same_names import refuse_same_names
     from ..new_machine.sign_bits import how_to_decode
     from ..new_machine.turns import counted_on_turns
@@ -205,6 +206,8 @@ def _guessed(trace: Path, given: Given, of_points: bool) -> tuple[Guesses, tuple
     from ..new_machine.unused_columns import that_may_be_commands, that_may_be_motion, that_may_be_the_drives
 
     table = read_table(trace, needed=lambda header: ())
+    if table.is_cut:
+        table = with_rows_of_others(table, slides=given.travel_per_turn is not None)
     columns = some_of(filter(None, table.header))
     numbers = table.numbers
     no_numbers = {

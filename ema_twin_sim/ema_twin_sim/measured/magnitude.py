@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..criteria import ALL_BUT_SPIKES, CORRELATION, DEPENDS, NEARLY_ALL, NEGLIGIBLE, PART, SMALL
+from ..criteria import ALL_BUT_SPIKES, CORRELATION, DEPENDS, MOSTLY, NEARLY_ALL, NEGLIGIBLE, PART, SMALL
 from .smoothing import gaussian, smooth
 from .way_by_speed import FEWEST
 
@@ -51,7 +51,8 @@ def looks_like_a_magnitude(moving: Moving | None, values: np.ndarray, *, noisy: 
 
     Instead of the latter it may go down to zero in motion both ways, which no load that keeps the sign allows, or be no
     worse described and the same both ways, as without any friction. ``values`` (n,) are all of the signal, also those
-    at rest. Of a ``noisy`` one, which noise alone makes negative, neither tells anything.
+    at rest. Of a ``noisy`` one, which noise alone makes negative, neither tells anything, and it is none
+    if it is negative in fast motion: noise makes a magnitude negative where the machine rests or turns round.
     """
     if moving is None or not both_ways(moving.speed):
         return False
@@ -62,7 +63,7 @@ def looks_like_a_magnitude(moving: Moving | None, values: np.ndarray, *, noisy: 
         return True
     gain = gain_without_sign(moving, [np.ones(len(forward)), np.sign(moving.speed)]) / CORRELATION
     if noisy:
-        return gain > DEPENDS
+        return gain > DEPENDS and not _negative_when_fast(moving)
     means = [float(np.mean(moving.values[way])) for way in (forward, ~forward)]
     return gain > (-DEPENDS if abs(means[0] - means[1]) < NEGLIGIBLE * sum(means) else DEPENDS)
 
@@ -70,6 +71,18 @@ def looks_like_a_magnitude(moving: Moving | None, values: np.ndarray, *, noisy: 
 def near_zero(values: np.ndarray, usual: float) -> bool:
     """Whether a signal (n,) gets near zero, beside its ``usual`` size in motion, which may be zero in short moves."""
     return bool(np.nanquantile(values, 1.0 - ALL_BUT_SPIKES) <= PART * usual)
+
+
+def any_in_a_row(marked: np.ndarray) -> bool:
+    """Whether any two after each other are marked, of (n,)."""
+    return bool((marked[1:] & marked[:-1]).any())
+
+
+def _negative_when_fast(moving: Moving) -> bool:
+    """Whether two samples after each other are negative at most of the speed that is usual in their direction."""
+    speeds = (np.clip(way * moving.speed, 0.0, None) for way in (-1.0, 1.0))
+    fast = (speed > MOSTLY * np.quantile(speed[speed > 0.0], NEARLY_ALL) for speed in speeds)
+    return any(any_in_a_row((moving.values < 0.0) & rows) for rows in fast)
 
 
 def both_ways(speed: np.ndarray) -> bool:

@@ -28,6 +28,7 @@ from .phase_angles import phase_angles
 from .power_analyser import analysers_columns
 from .repeated_columns import repeated_columns
 from .row_counters import row_counters
+from .shared_words import without_shared_quantities
 from .sign_bits import sign_bits
 from .signal_columns import choose_signals, drive_command, other_torques, signal_column, supply_current
 from .time_column import is_assumed, time_column
@@ -167,7 +168,7 @@ def guess_columns(
     """
     numbers = numbers or {}
     header = [*dict.fromkeys(header)]  # a map finds by name the first of several that have one
-    names = [header_words(name) for name in header]
+    names = without_shared_quantities([header_words(name) for name in header])
     telling = _telling(names, numbers)
     linear = _is_linear(telling) or (slides and any(_is_length(read) for read in telling))
     names = [_settled(read, linear, names) for read in names]

@@ -13,6 +13,7 @@ from ema_bench_replay.traces.header_words import HeaderWords, in_other_letters
 from .clock import is_uneven
 from .column_quantity import has_word, word_quantity
 from .column_words import NO_CLOCK, NO_CLOCK_IN_OTHER_LETTERS, NO_SIGNAL, TIME_IN_OTHER_LETTERS, TIME_WORDS
+from .shared_words import shared_words
 
 
 def time_column(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> HeaderWords | None:
@@ -46,16 +47,7 @@ def is_assumed(time: HeaderWords, names: Sequence[HeaderWords], numbers: Mapping
 
 def _is_called_time(read: HeaderWords, names: Sequence[HeaderWords]) -> bool:
     """Whether one of the names is that of a time, apart from the words with which all begin."""
-    return _is_time(replace(read, words=read.words[_shared_words(names) :]))
-
-
-def _shared_words(names: Sequence[HeaderWords]) -> int:
-    """With how many words all names begin alike; none may consist of these alone."""
-    shortest = min((len(read.words) for read in names), default=0)
-    if len(names) < 2 or not shortest:
-        return 0
-    alike = (len({read.words[place] for read in names}) == 1 for place in range(shortest))
-    return min(next((place for place, same in enumerate(alike) if not same), shortest), shortest - 1)
+    return _is_time(replace(read, words=read.words[shared_words(names) :]))
 
 
 def _numbers_rows(values: np.ndarray) -> bool:

@@ -5,16 +5,18 @@ Recordings that go one way each show it together. Their loads may differ, so tha
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from ema_bench_replay.recording import MAY_BE_MAGNITUDES, Recording
 
-from ..criteria import CONTRADICTED, DEPENDS
+from ..criteria import APART, DEPENDS
 from ..measured.magnitude import (
     SMOOTHED,
     Moving,
+    any_in_a_row,
     both_ways,
     gain_without_sign,
     looks_like_a_magnitude,
@@ -29,12 +31,12 @@ def unsigned_signals(recordings: Sequence[Recording]) -> frozenset[str]:
     """The signals of the drive that look like magnitudes: in no recording negative, and so in one, or in all together.
 
     A single negative sample is noise: no drive turns its torque round for one sample. Where a magnitude is zero, its
-    noise goes below zero as often as above.
+    noise goes below zero as often as above, and a current with a sign stays there.
     """
     return frozenset(
         signal
         for signal in MAY_BE_MAGNITUDES
-        if all(_never_negative(recording, signal, beyond=CONTRADICTED) for recording in recordings)
+        if not any(recording.has(signal) and _stays_negative(recording.signals[signal]) for recording in recordings)
         and (
             any(_looks_unsigned(recording, signal) for recording in recordings)
             or _look_unsigned_together(recordings, signal)
@@ -42,19 +44,26 @@ def unsigned_signals(recordings: Sequence[Recording]) -> frozenset[str]:
     )
 
 
-def _never_negative(recording: Recording, signal: str, beyond: float = 0.0) -> bool:
-    """Whether no two samples after each other are negative, by more than so many times the signal's noise."""
-    if not recording.has(signal):
-        return True
-    values = recording.signals[signal]
-    negative = values < (-beyond * polled_noise(values) if beyond else 0.0)
-    return not (negative[1:] & negative[:-1]).any()
+def _stays_negative(values: np.ndarray) -> bool:
+    """Whether values (n,) are negative in the mean of any stretch, of 2, 4, 8, … of them, by more than its noise."""
+    values = values[np.isfinite(values)]
+    noise = polled_noise(values)
+    after = np.r_[0.0, np.cumsum(np.where(_single(values < 0.0), 0.0, values))]
+    lengths = (1 << power for power in range(1, len(values).bit_length()))
+    return any(bool((after[n:] - after[:-n] < -APART * noise * math.sqrt(n)).any()) for n in lengths)
+
+
+def _single(marked: np.ndarray) -> np.ndarray:
+    """The ``marked`` ones (n,) that have no marked one beside them."""
+    around = np.r_[False, marked, False]
+    return marked & ~around[:-2] & ~around[2:]
 
 
 def _looks_unsigned(recording: Recording, signal: str) -> bool:
     moving = _moving(recording, signal)
-    noisy = not _never_negative(recording, signal)
-    return moving is not None and looks_like_a_magnitude(moving, recording.signals[signal], noisy=noisy)
+    values = recording.signals[signal] if moving is not None else np.empty(0)
+    noisy = bool(any_in_a_row(values < 0.0))
+    return looks_like_a_magnitude(moving, values, noisy=noisy)
 
 
 def _look_unsigned_together(recordings: Sequence[Recording], signal: str) -> bool:
