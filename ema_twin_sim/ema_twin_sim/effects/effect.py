@@ -193,6 +193,11 @@ class Effect:
         """Whether an option accepts this choice."""
         return choice in self.options[option] or (option == self.free_option and _positive(choice))
 
+    def choices_in_words(self, option: str) -> str:
+        """What an option accepts: ``24, 12, or another positive number``."""
+        other = ", or another positive number" if option == self.free_option else ""
+        return f"{', '.join(self.options[option])}{other}"
+
     def parameters_with(self, options: Options) -> tuple[Parameter, ...]:
         """The parameters of an instance with these options: all but those of another law."""
         return tuple(p for p in self.parameters if not p.choice or p.choice == options[self.law])
