@@ -124,10 +124,10 @@ class Effect:
 
     It acts in one of two ways, or in both. ``act(at, p) -> float`` is compiled and called at every step: ``at`` is the
     :class:`~ema_twin_sim.plant.operating_point.OperatingPoint`, ``p`` the parameters in the order of the table (up to
-    four, numeric options last). A positive value opposes positive motion. Its target (``TORQUE`` on the motor,
-    ``DRY_LEVEL``, ``OUTPUT_TORQUE``, ``VISCOUS_COEFFICIENT``) may depend on an option. ``settle(plant, parameters,
-    options)`` changes the plant's constants once, for actions that do not depend on the operating point or have a
-    constant of their own.
+    four, numeric options last). A positive value opposes positive motion, at every target: a spring that returns the
+    output to zero is ``+k * angle``. Its target (``TORQUE`` on the motor, ``DRY_LEVEL``, ``OUTPUT_TORQUE``,
+    ``VISCOUS_COEFFICIENT``) may depend on an option. ``settle(plant, parameters, options)`` changes the plant's
+    constants once, for actions that do not depend on the operating point or have a constant of their own.
 
     For a fault of the motor's winding, ``settle_winding(winding, parameters, options)`` changes the constants of
     ``plant.switching.layout.WINDING`` if a switching drive is simulated. ``act`` and ``settle`` replace it if no
