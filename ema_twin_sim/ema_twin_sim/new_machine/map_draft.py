@@ -14,8 +14,8 @@ from .shaft import Shaft
 
 ASSUMED_COUNTS = 4096
 HOW_TO_GIVE_COUNTS = (
-    "give the counts per turn, all edges counted, as `counts_per_revolution` in the map, and draft the model again with "
-    "init --map"
+    "give the counts per turn, all edges counted, as `counts_per_revolution` in the map, and draft the model again "
+    "with init --map"
 )
 
 
