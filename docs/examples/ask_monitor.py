@@ -13,6 +13,9 @@ from ema_twin_msgs.srv import Apply, Diagnose
 ENOUGH = 10.0
 """s of comparing before the question; the more there is to judge from, the surer the answer."""
 
+SHOWN = {"current": ("mA", 1), "unexplained_torque": ("mN m", 1), "output_position": ("mrad", 3)}
+"""The errors that are printed, of those that the machine has: in thousandths of the message's unit, and decimals."""
+
 
 def seconds_of(message):
     """The stamp of a sample; of health, that of the last sample that was compared."""
@@ -65,13 +68,16 @@ class Client:
         return answer
 
     def tell_errors(self, when):
-        """Print the errors of the last window."""
-        now, least = self.health.rmse_window, self.health.noise_floor
-        print(
-            f"{when}: current {now.current * 1e3:.1f} mA (noise {least.current * 1e3:.1f}), "
-            f"output position {now.output_position * 1e3:.3f} mrad (noise {least.output_position * 1e3:.3f})",
-            flush=True,
-        )
+        """Print the errors of the last window.
+
+        A signal that the machine lacks is NaN; a current that drives the twin has no error.
+        """
+        told = []
+        for name, (unit, decimals) in SHOWN.items():
+            now, least = (getattr(of, name) * 1e3 for of in (self.health.rmse_window, self.health.noise_floor))
+            if now > 0.0:
+                told.append(f"{name.replace('_', ' ')} {now:.{decimals}f} {unit} (noise {least:.{decimals}f})")
+        print(f"{when}: {', '.join(told) or 'no signal to compare'}", flush=True)
 
 
 def main():

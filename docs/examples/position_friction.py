@@ -21,6 +21,9 @@ _COUNTS = tuple(range(2, 100, 3))
 def act(at, p):
     """What the effect does at one moment: here a dry friction level [N m], at the fast (motor) shaft.
 
+    A positive torque opposes positive motion, on the motor (TORQUE) and on the load (OUTPUT_TORQUE) alike: a spring
+    that returns the output to zero is ``+p[0] * at.output_angle``.
+
     It is compiled to machine code and called at every step (25 us), so it holds numbers, ``math`` and ``numpy`` only;
     a function that it calls needs ``@numba.njit(error_model="numpy")`` above it.
 

@@ -17,10 +17,12 @@ from ema_bench_replay.recording import Recording
 from ema_twin_sim.campaign import engine, work
 from ema_twin_sim.campaign.engine import Outcome
 from ema_twin_sim.campaign.jobs import Grouping, Job, Task, find_jobs
-from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED
+from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED, SCHEMA
 from ema_twin_sim.campaign.store import Store
+from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.campaign.work import judged
 from ema_twin_sim.commands import campaign as command
+from ema_twin_sim.words.units import counts_words
 from tests.command_line import done_here
 
 COMPARE = Task("compare", "polito_bench")
@@ -161,6 +163,9 @@ class TestWork:
         assert (row["unit"], row["status"], len(row["content"])) == ("B", DONE, 1)
         (left_out,) = [warning for warning in told if "torn.CSV" in warning]
         assert left_out.endswith("left out of its unit") and left_out in row["warnings"]
+        (unit,) = units_of([{**dict.fromkeys(SCHEMA.names), **row}])
+        assert (unit.refused, unit.left_out, unit.as_json()["left_out"]) == (0, 1, 1) and left_out in unit.remarks
+        assert counts_words(unit) == "1 result, 0 refused, 0 failed, 1 recording left out."
         (folder / "B" / "torn.CSV").replace(folder / "B" / "kept.CSV")
         for file in folder.glob("B/Banco*"):
             file.unlink()

@@ -41,6 +41,9 @@ def test_a_current_of_unusual_size_is_asked_about_where_nothing_is_known(tmp_pat
     place = drafted(tmp_path, runs)
     [asked] = unusual_currents(runs, load_model(place))
     assert asked.startswith("b: current reaches") and words in asked and "current_limit: {value: " in asked
+    assert (
+        "Then correct the unit in the column's name, and run init again" in asked
+    )  # which the map alone does not mend
     assert next(unusual_sizes(runs[1])) in asked
     line = asked[asked.index("`current_limit") :].strip("`")
     place.write_text(f"{place.read_text()}drive:\n  {line}\n")

@@ -289,6 +289,20 @@ def test_so_is_one_outside_of_braces(tmp_path, content, quoted):
     assert f"{written} has a decimal comma; write {written.replace(',', '.')}, with a point" in message
 
 
+@pytest.mark.parametrize(
+    ("part", "key", "place"),
+    [
+        ("machine", "orders", "the top level of the file, beside `machine:`"),
+        ("machine", "current_limit", "under `drive:`"),
+        ("drive", "gear_ratio", "under `machine:`"),
+    ],
+)
+def test_a_key_in_another_part_is_told_where_it_belongs(tmp_path, content, part, key, place):
+    content[part][key] = {"slots": 18}
+    message = refused(tmp_path, content)
+    assert f"{part}: unknown key '{key}'" in message and message.endswith(place)
+
+
 def test_other_keys_of_digits_are_what_they_were(tmp_path, content):
     assert parse_yaml("{1: 2, 3: 4}") == {1: 2, 3: 4} and parse_yaml("[0,052]") == [0, 42]
     content["machine"]["motor_inertia"] = "HERE"

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.recording import Recording
+from ema_twin_sim.model import load_model
 from ema_twin_sim.new_machine.drive_gains import drive_gains
+from ema_twin_sim.simulation.simulate import has_speed_controller
 from tests.accuracy.strangers.servo import Servo, run
 
 SIZES = (1e-6, 1e-4, 1e-2)
@@ -64,3 +66,22 @@ def test_a_torque_always_at_its_limit_shows_no_gains():
     signals = {"current": np.sign(speed) + (speed == 0.0), "speed": speed, "speed_setpoint": 1.1 * speed}
     recording = Recording("relay", np.rint(time * 1e9).astype(np.int64), signals)
     assert drive_gains(recording, 1.0) is None
+
+
+def test_a_setpoint_without_a_controller_is_told_with_lines_to_fill_in(drafted, tmp_path):
+    """The current here knows nothing of the setpoint: the twin is driven by it, and no command can be simulated."""
+    time = np.arange(0.0, 6.0, 0.002)
+    columns = {
+        "time [s]": time,
+        "motor speed [rad/s]": 50.0 * np.sin(3.0 * time),
+        "motor current [A]": 2.0 * np.cos(3.0 * time) + np.sign(np.sin(3.0 * time)),
+    }
+    assert "speed controller" not in drafted(columns).told
+    draft = drafted({**columns, "speed setpoint [rad/s]": 50.0 * np.sin(7.0 * time)})
+    assert "No speed controller found: no recording shows that the current follows the speed setpoint" in draft.said
+    assert not has_speed_controller(load_model(tmp_path / "m.yaml"))
+    filled = draft.model.replace("…", "0.5")
+    for line in ("drive:", "  speed_gain", "  integral_time", "  integral_limit"):
+        filled = filled.replace(f"# {line}", line)
+    (tmp_path / "m.yaml").write_text(filled)
+    assert has_speed_controller(load_model(tmp_path / "m.yaml"))

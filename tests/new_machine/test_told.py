@@ -31,7 +31,9 @@ def test_counts_that_nobody_told_are_assumed_and_not_known(tmp_path):
         lambda t: (int(20000 * math.sin(3 * t)), 2.0 * math.cos(3 * t)),
     )
     assert not [one for one in known if "encoder" in one]
-    assert "motor encoder 4096 counts per turn (give the counts per turn, all edges counted)" in guessed
+    (counts,) = [one for one in guessed if "encoder" in one]
+    assert counts.startswith("motor encoder 4096 counts per turn (give the counts per turn, all edges counted")
+    assert "`counts_per_revolution` in the map" in counts and "init --map" in counts
 
 
 def test_a_given_gear_ratio_that_both_positions_contradict_is_marked(tmp_path):

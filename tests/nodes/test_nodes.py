@@ -147,6 +147,26 @@ def test_parameters_are_described_set_and_refused_with_their_range(graph):
     assert not answer.successful
 
 
+def test_an_option_accepts_what_the_catalogue_does(graph):
+    """Any positive order, as text or as the number that `ros2 param set` makes of it, as `add --set order=22` does."""
+    twin = graph.add(TwinNode, **{"effects.mesh_ripple.order": "2.5"})
+    tester = graph.plain_node()
+
+    def set_order(value):
+        given = [Parameter("effects.cogging.order", value=value).to_parameter_msg()]
+        (answer,) = graph.call(tester, SetParameters, "/twin/set_parameters", parameters=given).results
+        return answer
+
+    assert twin.mode.twin.effects["mesh_ripple"].options["order"] == "2.5"
+    for order in ("22", 23, 24):
+        assert set_order(order).successful
+        assert twin.mode.twin.effects["cogging"].options["order"] == str(order)
+    for wrong in ("-1", 0, "many", True):
+        answer = set_order(wrong)
+        assert not answer.successful and answer.reason.endswith("or another positive number")
+    assert twin.mode.twin.effects["cogging"].options["order"] == "24"
+
+
 def test_start_values_of_parameters_reach_the_model(graph):
     twin = graph.add(TwinNode, **{"effects.backlash.enabled": True, "machine.motor_inertia": 2e-3})
     assert twin.mode.twin.effects["backlash"].enabled

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,13 +31,15 @@ class Declaration:
     lower: float = -math.inf
     upper: float = math.inf
     choices: Sequence[str] = ()
+    allows: Callable[[Any], bool] | None = None  # replaces the test whether a value is one of the choices
+    allowed: str = ""  # the choices in words, if `allows` accepts others, too
     fixed: bool = True  # read once at the start
 
     @property
     def range(self) -> str:
         """Allowed values in words; empty if unrestricted."""
         if self.choices:
-            return f"one of {', '.join(self.choices)}"
+            return f"one of {self.allowed or ', '.join(self.choices)}"
         if math.isinf(self.lower) and math.isinf(self.upper):
             return ""
         if math.isinf(self.upper):
@@ -46,10 +48,15 @@ class Declaration:
         return f"{self.lower:g} to {self.upper:g} {self.unit}".rstrip()
 
     def checked(self, value: Any) -> Any:
-        """The value in the parameter's own type; integers are accepted for floats. Raises InputError with the range."""
+        """The value in the parameter's own type. Raises InputError with the range.
+
+        Integers are accepted for floats, and numbers for a text that ``allows`` numbers (``ros2 param set … 22``).
+        """
         kind = type(self.default)
         if kind is float and type(value) is int:
             value = float(value)
+        if kind is str and self.allows is not None and type(value) in (int, float):
+            value = f"{value:.15g}"
         if kind is tuple:
             value = tuple(value) if isinstance(value, (list, tuple)) else value
         if type(value) is not kind:
@@ -62,7 +69,8 @@ class Declaration:
             }
             raise InputError(f"parameter {self.name}: {value!r} is not {names[kind]}; give {self.range or names[kind]}")
         outside = kind in (int, float) and not self.lower <= value <= self.upper
-        if outside or (self.choices and value not in self.choices):
+        allowed = self.allows or (lambda choice: not self.choices or choice in self.choices)
+        if outside or not allowed(value):
             raise InputError(f"parameter {self.name}: {value} is refused; give {self.range}")
         return value
 

@@ -142,8 +142,8 @@ class _Trace:
         if told := contradicted_unit(column, signal.signal, signal.unit):
             self._warn(
                 f"the column {column!r} is in {told} by its name, but the map {self.map.name!r} reads it as the "
-                f"{signal.signal.replace('_', ' ')} in {signal.unit}; write `unit: {told}` into the map, or correct "
-                "the header"
+                f"{signal.signal.replace('_', ' ')} in {signal.unit}; write `unit: {told}` into the map or, if the "
+                "header is wrong, correct it and run init again"
             )
 
     def _following(self, column: Column, place: int, signal: str) -> int:

@@ -10,6 +10,9 @@ SCHEMA_VERSION = "7"
 DONE, REFUSED, FAILED = "done", "refused", "failed"
 """Judged; input that cannot be judged; an error of this package, or a worker that died."""
 
+LEFT_OUT = "; left out of its unit"
+"""The end of a warning of a result: one of its recordings could not be read, and the others were judged without it."""
+
 _ERROR = pa.struct(
     [
         ("signal", pa.string()),

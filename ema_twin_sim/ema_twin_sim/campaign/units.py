@@ -12,7 +12,7 @@ from typing import Any
 
 from ..listing import listed
 from .dates import dated, has_time_of_day
-from .results import DONE, FAILED, REFUSED
+from .results import DONE, FAILED, LEFT_OUT, REFUSED
 
 Row = Mapping[str, Any]
 _NUMBER = re.compile(r"(\d+)", re.ASCII)
@@ -40,6 +40,11 @@ class Unit:
     def failed(self) -> int:
         """Number of inputs lost to an error."""
         return self._count(FAILED)
+
+    @property
+    def left_out(self) -> int:
+        """Number of recordings that could not be read, where those judged together with them could."""
+        return len(_left_out(self.rows))
 
     @property
     def last(self) -> datetime | None:
@@ -77,6 +82,7 @@ class Unit:
             "judged": self.judged,
             "refused": self.refused,
             "failed": self.failed,
+            "left_out": self.left_out,
             "last": None if self.last is None else self.last.isoformat(),
             "searched": self.searched,
             "missing": [{"effect": effect, "results": count} for effect, count in self.missing],
@@ -108,11 +114,18 @@ def _when(row: Row) -> tuple[bool, float, list[tuple[int, str]]]:
     return time is None, 0.0 if time is None else time.timestamp(), name
 
 
+def _left_out(rows: Iterable[Row]) -> list[str]:
+    """The warnings of recordings that could not be read, each once."""
+    return list(dict.fromkeys(told for row in rows for told in row.get("warnings") or () if told.endswith(LEFT_OUT)))
+
+
 def _remarks(rows: Sequence[Row]) -> Iterable[str]:
     """Yield which of a unit's results do not belong together, and why.
 
-    Reasons: other kinds of machine or signals, copies, clocks that disagree, missing dates, a single recording.
+    Reasons: recordings that could not be read, other kinds of machine or signals, copies, clocks that disagree, missing
+    dates, a single recording.
     """
+    yield from _left_out(rows)
     done = [row for row in rows if row["status"] == DONE]
     motions = sorted({row["motion"] for row in done if row["motion"]})
     if len(motions) > 1:

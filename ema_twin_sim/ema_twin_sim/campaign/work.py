@@ -23,7 +23,7 @@ from ..model.model_file import model_files
 from ..version import VERSION
 from .health_rows import health_row
 from .jobs import HEALTH, Job, Task
-from .results import DONE, FAILED, REFUSED
+from .results import DONE, FAILED, LEFT_OUT, REFUSED
 from .turn_of_motor import turn_of_motor
 
 _LEAST_SAMPLES = 2
@@ -79,7 +79,7 @@ def _read(job: Job, task: Task, left_out: list[str]) -> list[Recording]:
             refused.append(error)
     if not found:
         raise refused[0]
-    left_out += [f"{error}; left out of its unit" for error in refused]
+    left_out += [f"{error}{LEFT_OUT}" for error in refused]
     return found
 
 

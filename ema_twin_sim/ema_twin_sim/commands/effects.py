@@ -97,8 +97,7 @@ def _show_one(effect: Effect, name: str | Path) -> None:
         table.add_row(p.name, escape(p.unit), f"{p.default:g}", possible, escape(p.description + only))
     console.print(table)
     for option, choices in effect.options.items():
-        other = ", or another positive number" if option == effect.free_option else ""
-        say(f"option {option}: {', '.join(choices)}{other} (default {choices[0]})")
+        say(f"option {option}: {effect.choices_in_words(option)} (default {choices[0]})")
     if effect.parameters:
         first = effect.parameters[0]
         console.print(

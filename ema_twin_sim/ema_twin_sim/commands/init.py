@@ -152,6 +152,8 @@ def run(
         joint = (guesses.joint.sentence,) if guesses.joint.name else ()
         known = (*drafts.known, *told_of_turns(guesses, travel_per_turn))
         rests_on = say_what_it_rests_on(*files, (*joint, *assumed_units(guesses), *drafts.assumed), known)
+        for lacked in drafts.lacked:
+            say(lacked)
     for told in by_recording((*drafts.warnings, *drafts.questions)):
         warn(told)
     say_next(files, drafts, guesses, [quote(str(trace)) for trace in traces] or ["TRACE.csv"], holed, rests_on)
@@ -174,6 +176,8 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
     model = checked_model(recordings, given, shaft, str(traces[0]))
     write_text(place, model.text, force=force)
     rests_on = say_what_it_rests_on(map_file, place, model.assumed)
+    for lacked in model.lacked:
+        say(lacked)
     for question in by_recording(model.questions):
         warn(question)
     say_what_to_look_at(place, model.text, rests_on)

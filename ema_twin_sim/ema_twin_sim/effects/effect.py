@@ -124,10 +124,10 @@ class Effect:
 
     It acts in one of two ways, or in both. ``act(at, p) -> float`` is compiled and called at every step: ``at`` is the
     :class:`~ema_twin_sim.plant.operating_point.OperatingPoint`, ``p`` the parameters in the order of the table (up to
-    four, numeric options last). A positive value opposes positive motion. Its target (``TORQUE`` on the motor,
-    ``DRY_LEVEL``, ``OUTPUT_TORQUE``, ``VISCOUS_COEFFICIENT``) may depend on an option. ``settle(plant, parameters,
-    options)`` changes the plant's constants once, for actions that do not depend on the operating point or have a
-    constant of their own.
+    four, numeric options last). A positive value opposes positive motion, at every target: a spring that returns the
+    output to zero is ``+k * angle``. Its target (``TORQUE`` on the motor, ``DRY_LEVEL``, ``OUTPUT_TORQUE``,
+    ``VISCOUS_COEFFICIENT``) may depend on an option. ``settle(plant, parameters, options)`` changes the plant's
+    constants once, for actions that do not depend on the operating point or have a constant of their own.
 
     For a fault of the motor's winding, ``settle_winding(winding, parameters, options)`` changes the constants of
     ``plant.switching.layout.WINDING`` if a switching drive is simulated. ``act`` and ``settle`` replace it if no
@@ -192,6 +192,11 @@ class Effect:
     def allows(self, option: str, choice: str) -> bool:
         """Whether an option accepts this choice."""
         return choice in self.options[option] or (option == self.free_option and _positive(choice))
+
+    def choices_in_words(self, option: str) -> str:
+        """What an option accepts: ``24, 12, or another positive number``."""
+        other = ", or another positive number" if option == self.free_option else ""
+        return f"{', '.join(self.options[option])}{other}"
 
     def parameters_with(self, options: Options) -> tuple[Parameter, ...]:
         """The parameters of an instance with these options: all but those of another law."""

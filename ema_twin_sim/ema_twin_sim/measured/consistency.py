@@ -184,7 +184,8 @@ def _by_noise(recording: Recording, model: Model, beside: Sequence[Recording]) -
         recording.name,
         f"{name} is {whole} (rms) in all, less than the {stated} of noise that the model file states, so that the "
         "noise would hide whatever is missing",
-        f"check unit and factor of {name} in the import map, and sensors.current_noise in the model",
+        f"check unit and factor of {name} in the import map, and sensors.current_noise in the model (if init drafted "
+        "both with a wrong unit, correct the unit in the column's name and run init again)",
         "noise of the current",
         share,
     )

@@ -24,6 +24,9 @@ USUAL: dict[str, tuple[float, float, str, str]] = {
     "load_torque": (0.0, 1e4, "N m", "mN m"),
 }
 """By signal: usual lower and upper limit of its largest value, its unit, and the unit it is mistaken for."""
+_THEN = (
+    "Then correct the unit in the column's name, and run init again: a drafted model has its noise in that unit, too."
+)
 WINDING: dict[str, float] = {"usual": 4.0, "mistaken": 1000.0}
 """Induced voltage over current [ohm] in the middle of what drives have, from 0.1 (12 V, 100 A) to 150 (1.5 V, 10 mA);
 and the factor of a wrong unit."""
@@ -43,12 +46,12 @@ def unusual_sizes(recording: Recording, besides: Collection[str] = ()) -> Iterat
         if largest > most:
             yield (
                 f"{recording.name}: {signal} reaches {largest:.4g} {unit}, more than most drives ever do: is its "
-                f"column in {other}, and read as {unit}?"
+                f"column in {other}, and read as {unit}? {_THEN}"
             )
         elif 0.0 < largest < least:
             yield (
                 f"{recording.name}: {signal} reaches {largest:.3g} {unit} only: is its column in {unit}, and read as "
-                f"{other}?"
+                f"{other}? {_THEN}"
             )
 
 
@@ -66,8 +69,8 @@ def unusual_currents(recordings: Sequence[Recording], model: Model) -> tuple[str
         return ()
     limit = float(f"{10.0 * largest_of(most, 'current'):.1g}")
     return tuple(
-        f"{question} If not, write the limit of the drive's current into the model, under `drive:`, with the drive's "
-        f"own number: `current_limit: {{value: {limit:.15g}, unit: A, source: given}}`"
+        f"{question} If the unit is right, write the limit of the drive's current into the model, under `drive:`, with "
+        f"the drive's own number: `current_limit: {{value: {limit:.15g}, unit: A, source: given}}`"
         for question in unusual_sizes(most)
         if question.startswith(f"{most.name}: current ")
     )

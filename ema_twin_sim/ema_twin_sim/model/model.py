@@ -331,9 +331,7 @@ def checked_instance(
             known = nearest(str(name), effect.options) if effect.options else "it has none"
             raise InputError(f"{place}: effect {effect.id} has no option '{name}'; {known}")
         if not effect.allows(name, str(choice)):
-            other = ", or another positive number" if name == effect.free_option else ""
-            known = ", ".join(effect.options[name])
-            raise InputError(f"{place}: option {name} is '{choice}'; give one of {known}{other}")
+            raise InputError(f"{place}: option {name} is '{choice}'; give one of {effect.choices_in_words(name)}")
         chosen[name] = str(choice)
     own = {parameter.name: parameter for parameter in effect.parameters_with(chosen)}
     elsewhere = next((table[name] for name in parameters if name not in own), None)

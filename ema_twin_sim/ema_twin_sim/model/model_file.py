@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -198,7 +198,7 @@ def _model(path: Path, content: Mapping[str, Any]) -> Model:
         names = {c.name: c for c in CONSTANTS.values() if c.part == part}
         words = {p.partition(".")[2] for of in CHOICES.values() for p in of if p.startswith(f"{part}.")}
         words |= {"name", "motion", LUMPED} if part == "machine" else ({"kind"} if part in KINDS else set())
-        section = check.mapping(content.get(part, {}), part, (*sorted(words), *names))
+        section = _section(check, content.get(part, {}), part, (*sorted(words), *names))
         for place, among in ((p, a) for kind in kinds.values() for p, a in CHOICES.get(kind, {}).items()):
             if place.startswith(f"{part}."):
                 choices[place] = check.choice(section.get(place.partition(".")[2], among[0]), place, among)
@@ -233,6 +233,18 @@ def _model(path: Path, content: Mapping[str, Any]) -> Model:
     return Model(
         path.stem, name, kinds, constants, parts, motion, lumped, orders=named, other_orders=others, choices=choices
     )
+
+
+def _section(check: Checker, content: object, part: str, allowed: Sequence[str]) -> Mapping[str, Any]:
+    """A part of the file with the ``allowed`` keys only; of a key that belongs elsewhere the refusal says where."""
+    for key in content if isinstance(content, dict) else ():
+        if key in allowed:
+            continue
+        if key in _KEYS:
+            raise check.error(part, f"unknown key {key!r}", f"move it to the top level of the file, beside `{part}:`")
+        if owner := next((c.part for c in CONSTANTS.values() if c.name == key), None):
+            raise check.error(part, f"unknown key {key!r}", f"move it under `{owner}:`")
+    return check.mapping(content, part, allowed)
 
 
 def _constant(check: Checker, constant: Constant, content: object, place: str, motion: str) -> ConstantValue:

@@ -55,8 +55,8 @@ _DRIVE = ("current", "current_setpoint", "motor_torque")
 
 class Drafts(NamedTuple):
     """Texts of a map and a model; questions about the recording's units; what was assumed from usual sizes; the columns
-    of guesses that the map leaves out, and why; what is wrong with the recordings, as they are read with this map; and
-    what they show besides the numbers of the model.
+    of guesses that the map leaves out, and why; what is wrong with the recordings, as they are read with this map; what
+    they show besides the numbers of the model; and what the model lacks.
     """
 
     map: str
@@ -68,6 +68,7 @@ class Drafts(NamedTuple):
     known: tuple[str, ...] = ()
     magnitudes: frozenset[str] = frozenset()  # signals that the map reads as magnitudes without sign
     load: Guess | None = None  # the column that is taken for the load, with the reason, if its name did not say so
+    lacked: tuple[str, ...] = ()
 
 
 def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Drafts:
@@ -245,6 +246,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         tuple(shown),
         magnitudes,
         next((guess for guess in as_guessed.signals if guess.signal == "load_torque" and guess.shaft_doubt), None),
+        model.lacked,
     )
 
 

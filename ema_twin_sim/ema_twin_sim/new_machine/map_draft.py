@@ -13,6 +13,10 @@ from .lengths import is_of_turns
 from .shaft import Shaft
 
 ASSUMED_COUNTS = 4096
+HOW_TO_GIVE_COUNTS = (
+    "give the counts per turn, all edges counted, as `counts_per_revolution` in the map, and draft the model again "
+    "with init --map"
+)
 
 
 def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
@@ -75,7 +79,7 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
     if not shown and motion == "linear" and is_of_turns(guess.column):
         shown = "  # of the motor, by the slide's way per turn"
     if guess.unit == COUNTS:
-        unsure = guess.doubt if guess.counts else "give the counts per turn, all edges counted"
+        unsure = guess.doubt if guess.counts else HOW_TO_GIVE_COUNTS
         doubt = look("; ".join(filter(None, (unsure, jumps))))
         return (
             f"  {guess.signal}: {{columns: [{quoted(guess.column)}], counts_per_revolution: "

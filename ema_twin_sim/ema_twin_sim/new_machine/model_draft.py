@@ -21,7 +21,7 @@ from ..model.constants import CONSTANTS
 from ..model.roles import DRY_FRICTION, VISCOUS_FRICTION
 from ..reading_noise import beside_fast_signal, drowns, noise_of_points, polled_noise, reading_noise
 from ..simulation.behind_motor import of_encoders_alone
-from .drive_gains import drive_gains
+from .drive_gains import DriveGains, drive_gains
 from .given import Given
 from .load_beside_motor import shown_gear
 from .shaft import (
@@ -52,12 +52,18 @@ _FEWEST = 10
 _BEHIND = 0.2  # share of inertia and friction that is behind the gearbox, as a start value
 
 
+_HOW_TO_GIVE_GAINS = "To simulate commands, fill in the lines of `drive:`, which the model holds as comments."
+
+
 class ModelDraft(NamedTuple):
-    """The text of a model, what was assumed in it from usual sizes (with the remedy), and questions about it."""
+    """The text of a model, what was assumed in it from usual sizes and what it lacks (each with the remedy), and
+    questions about it.
+    """
 
     text: str
     assumed: tuple[str, ...] = ()
     questions: tuple[str, ...] = ()
+    lacked: tuple[str, ...] = ()
 
 
 def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> ModelDraft:
@@ -91,6 +97,8 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
     told = motion == "rotary" and constant.source != ASSUMED
     at_joint = told_at_joint(constant.value, turns, fastest) if told else ""
     of_motor = constant.value / (turns if at_joint else 1.0)
+    gains = next(filter(None, (drive_gains(each, of_motor) for each in at_motor)), None)
+    without_gains = _without_gains(at_motor) if gains is None else ""
     sensors = _sensor_lines(at_motor, turns if shaft.name == "output" else 1.0)
     lines = [
         f"# First model of {given.name}. Inertia and friction are open: fit finds them, discover goes on from there.",
@@ -102,7 +110,8 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
         *_inertia_lines(motion, inertia, two_sided),
         *([] if ratio is None else [ratio.line()]),
         *_torque_lines(recording, constant, at_joint),
-        *_drive_lines(at_motor, of_motor),
+        *([] if gains is None else _drive_lines(gains, motion)),
+        *([f"# {line}" for line in (without_gains, *_drive_lines(None, motion))] if without_gains else []),
         "transmission: {kind: rigid}",
         *(["sensors:", *sensors] if sensors else ["sensors: {}"]),
         "effects:",
@@ -121,7 +130,8 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
     else:
         question = question_about_turning(given, fastest)
     questions = (question, _question_about_ratio(recording, given.gear_ratio, shaft), gear.question if gear else "")
-    return ModelDraft("\n".join(lines) + "\n", assumed, tuple(filter(None, questions)))
+    lacked = (f"{without_gains} {_HOW_TO_GIVE_GAINS}",) if without_gains else ()
+    return ModelDraft("\n".join(lines) + "\n", assumed, tuple(filter(None, questions)), lacked)
 
 
 def farthest(recordings: Sequence[Recording]) -> Recording:
@@ -257,25 +267,27 @@ def _torque_lines(recording: Recording, constant: TorqueConstant, at_joint: str)
     return [f"  torque_constant: {value}{check_comment(doubt)}"]
 
 
-def _drive_lines(recordings: Sequence[Recording], torque_constant: float) -> list[str]:
-    """The lines of the speed controller if a recording shows its gains; else a comment if there is a setpoint."""
-    if not any(recording.has("speed_setpoint") for recording in recordings):
-        return []
-    shown = (drive_gains(recording, torque_constant) for recording in recordings)
-    found = next((gains for gains in shown if gains is not None), None)
-    motion = recordings[0].motion
-    if found is None:
-        return [
-            "# The drive's gains could not be determined from the setpoint, so the measured current drives the twin."
-        ]
-    source = "fitted: torque over speed error"
-    gain, time = unit_in("N m s/rad", motion), f"{found.integral_time:.4g}"
-    limit = unit_in("N m", motion)
+def _without_gains(recordings: Sequence[Recording]) -> str:
+    """That no recording shows a speed controller's gains, and what follows; empty if none has a setpoint."""
+    with_setpoint = [each for each in recordings if each.drive is not None and each.has("speed_setpoint")]
+    if not with_setpoint:
+        return ""
+    drive = "current" if with_setpoint[0].has("current") else "torque"
+    return (
+        f"No speed controller found: no recording shows that the {drive} follows the speed setpoint as that of a PI "
+        f"controller, so the recorded {drive} drives the twin."
+    )
+
+
+def _drive_lines(found: DriveGains | None, motion: str) -> list[str]:
+    """The lines of the speed controller; with dots to fill in if its gains were not found."""
+    gain, time = ("…", "…") if found is None else (f"{found.speed_gain:.4g}", f"{found.integral_time:.4g}")
+    source = "given" if found is None else "'fitted: torque over speed error'"
     return [
         "drive:",
-        f"  speed_gain: {{value: {found.speed_gain:.4g}, unit: {gain}, tolerance: 0.2, source: '{source}'}}",
-        f"  integral_time: {{value: {time}, unit: s, tolerance: 0.2, source: '{source}'}}",
-        f"  integral_limit: {{value: 1e6, unit: {limit}, tolerance: 0.0, source: assumed}}",
+        f"  speed_gain: {{value: {gain}, unit: {unit_in('N m s/rad', motion)}, tolerance: 0.2, source: {source}}}",
+        f"  integral_time: {{value: {time}, unit: s, tolerance: 0.2, source: {source}}}",
+        f"  integral_limit: {{value: 1e6, unit: {unit_in('N m', motion)}, tolerance: 0.0, source: assumed}}",
     ]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any
+from functools import partial
 
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
@@ -35,16 +35,12 @@ class ModelParameters:
     def _on_set(self, parameters: Iterable[Parameter]) -> SetParametersResult:
         result = check_all(self._declarations, parameters)
         if result.successful:
-            own = {declaration.name for declaration in self._declarations}
+            own = {declaration.name: declaration for declaration in self._declarations}
             try:
-                self._twin().change({p.name: _plain(p.value) for p in parameters if p.name in own})
+                self._twin().change({p.name: own[p.name].checked(p.value) for p in parameters if p.name in own})
             except InputError as error:  # each is possible, but not all together
                 return SetParametersResult(successful=False, reason=str(error))
         return result
-
-
-def _plain(value: Any) -> bool | float | str:
-    return float(value) if type(value) is int else value
 
 
 def _declarations(twin: Twin) -> list[Declaration]:
@@ -62,6 +58,8 @@ def _declarations(twin: Twin) -> list[Declaration]:
             instance.options[option],
             f"option {option} of {name}",
             choices=choices,
+            allows=partial(effect.allows, option),
+            allowed=effect.choices_in_words(option),
             fixed=False,
         )
         for name, (instance, effect) in effects.items()

@@ -127,8 +127,9 @@ def looked_for(
 
 
 def counts_words(unit: Unit) -> str:
-    """How many recordings of a unit were judged, refused, or failed."""
-    return f"{number_of(unit.judged, 'result')}, {unit.refused} refused, {unit.failed} failed."
+    """How many recordings of a unit were judged, refused, or failed, and how many were left out of their unit."""
+    left_out = f", {number_of(unit.left_out, 'recording')} left out" if unit.left_out else ""
+    return f"{number_of(unit.judged, 'result')}, {unit.refused} refused, {unit.failed} failed{left_out}."
 
 
 def unit_words(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> list[str]:
