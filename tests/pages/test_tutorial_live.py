@@ -112,7 +112,8 @@ def test_the_nodes_and_a_client_of_the_services(tmp_path):
         for line in printed.splitlines()
         if line.startswith(("before:", "after:"))
     )
-    assert after[0] < 0.5 * before[0] and after[1] < 0.02 * before[1]
+    current, torque, position = [now / earlier for now, earlier in zip(after, before, strict=True)]
+    assert current < 0.5 and torque < 0.5 and position < 0.02
 
 
 def test_the_words_for_ros2_name_what_there_is():
