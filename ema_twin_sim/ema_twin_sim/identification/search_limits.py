@@ -18,7 +18,7 @@ from ..measured.observation import Observation
 from ..plant.measured_motion import ACCELERATION, OUTPUT_ANGLE, SPEED, TIME
 
 LATEST = 0.02  # own s, of a fieldbus of the reference bench; a later encoder belongs to another machine
-LATEST_SAMPLES = 32.0  # or so many sample periods: electronics are late by cycles, however quick the mechanics are
+LATEST_SAMPLES = 8.0  # or so many sample periods: electronics are late by cycles, however quick the mechanics are
 _POWERS = {
     "N m": (0, 0, 0),
     "N m s/rad": (1, 0, 0),
