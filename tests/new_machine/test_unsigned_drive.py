@@ -204,7 +204,7 @@ def test_the_noise_of_a_magnitude_goes_below_zero_where_the_machine_rests(dry, d
     assert not unsigned_signals([recorded(speed, true + noise, motion="motor_position")])
     way = np.cumsum(speed) * 2e-3
     draft = drafted({"time [s]": TIME, "motor position [rad]": way, "current [A]": magnitude})
-    assert "never negative but by its noise, so it looks like a magnitude" in draft.warned
+    assert "never negative but for its noise, so it looks like a magnitude" in draft.warned
 
 
 @pytest.mark.parametrize(

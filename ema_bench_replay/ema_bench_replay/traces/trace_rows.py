@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ema_bench_replay.errors import InputError, MissingNumberError
-from ema_bench_replay.traces.incomplete_ends import MOST, MOST_EMPTY, Cells, empty_ends, incomplete_rows, left_out_words
+from ema_bench_replay.traces.incomplete_ends import MOST, empty_ends
 from ema_bench_replay.traces.missing_numbers import holds_nothing, is_missing
 from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
 from ema_bench_replay.traces.quoted_cells import with_marks_shown
+from ema_bench_replay.traces.table_ends import TableEnds
 from ema_bench_replay.traces.time_of_day import is_time_of_day, seconds
 
 _ROWS_FOR_DECIMALS = 50
@@ -53,18 +54,14 @@ class RowReader:
         self.notes = 0  # rows so far that hold a cell below the header's last name, which is empty
         self.times_of_day: set[int] = set()  # columns that hold such
         self.empty: list[int] = []  # rows of the file, counted from 0, that hold nothing and are left out
-        self.first: list[int] = []  # the first rows, counted likewise, that are left out since they lack numbers
-        self.last = 0  # how many of the last rows are, likewise
         self.written_delimiter = delimiter or next((mark for mark in (";", "\t", ",") if mark in header), ";")
         cells = [with_marks_shown(cell.strip().strip('"').strip()) for cell in header.split(self.written_delimiter)]
         self.trailing = len(cells) > 1 and not cells[-1]
         self.header = cells[:-1] if self.trailing else cells
         self.needed = sorted(needed(self.header))
-        signals = sorted(at_ends(self.header)) if at_ends is not None else self.needed
-        self.signals_known = bool(signals)
-        self.judged = signals or range(len(self.header))  # columns whose numbers a row at an end may lack
-        self.known = np.ones(len(self.header), dtype=bool)  # columns in which all cells so far hold numbers
-        self.seen = np.zeros(len(self.header), dtype=bool)  # columns in which any cell so far holds one
+        signals = self.needed if at_ends is None else sorted(at_ends(self.header))
+        name, first = path.name, self.first_line
+        self.ends = TableEnds(name, self.header, first, self.needed, signals, self._no_number, self.warnings)
         # A comma inside quotation marks is part of a number; those between cells become semicolons.
         self.quoted_commas = self.written_delimiter == "," and b'"' in body
         self.delimiter = ";" if self.quoted_commas else self.written_delimiter
@@ -92,8 +89,7 @@ class RowReader:
         if rows is None:
             rows = self._careful(text, is_last)
         self.line += text.count(b"\n")
-        self.known &= np.isfinite(rows).all(axis=0)
-        self.seen |= np.isfinite(rows).any(axis=0)
+        self.ends.saw(rows)
         return rows
 
     def texts(self, block: bytes) -> Iterator[list[str]]:
@@ -151,16 +147,6 @@ class RowReader:
         self.warnings.append(
             f"{self.path.name}: line {line}: the last row is cut, so only the rows before it can be used"
         )
-
-    def _report_incomplete(self, rows: range, column: int, cells: Cells, lines: Sequence[int]) -> None:
-        """Warn of ``rows`` at an end, of which the first holds no number in a column; ``lines`` are those of all."""
-        first = rows.start
-        self._report_left_out([lines[row] for row in rows], column, cells[first][column], at_begin=first == 0)
-
-    def _report_left_out(self, lines: Sequence[int], column: int, cell: str, *, at_begin: bool) -> None:
-        """Warn of rows at an end that are in these ``lines``; the ``cell`` is the first one's in a column."""
-        told = left_out_words(lines[0], len(lines), self.header[column], cell, at_begin=at_begin)
-        self.warnings.append(f"{self.path.name}: {told}")
 
     def _without_notes(self, text: bytes) -> bytes:
         """The rows without what stands below a last empty name, as notes beside a table, unless most rows hold it."""
@@ -260,11 +246,10 @@ class RowReader:
                     elif may_end and not _is_number(cell):
                         at_end.setdefault(number, {})[column] = cell
                     elif column in self.needed:
-                        self._refuse_needed(at_begin, [line for line, _ in whole])
+                        self.ends.refuse_needed(at_begin, [line for line, _ in whole])
                         raise self._no_number(at, column, cell) from None
         lines = [at for at, _ in whole]
-        filled = self._filled(rows, empty_first, empty_last, split, lines)
-        return self._without_few(rows, filled, {} if filled.start else at_begin, at_end, lines)
+        return self.ends.without(rows, (empty_first, empty_last), split, (at_begin, at_end), lines)
 
     def _whole_rows(self, text: bytes, is_last: bool) -> list[tuple[int, str]]:
         """The lines of a text with their numbers, without those that hold nothing and without a cut last row."""
@@ -275,84 +260,6 @@ class RowReader:
         if is_last and whole and whole[-1] == numbered[-1] and len(self._cells(whole[-1][1])) < len(self.header):
             self._report_torn(whole.pop()[0])
         return whole
-
-    def _without_few(
-        self, rows: np.ndarray, filled: range, at_begin: Cells, at_end: Cells, lines: Sequence[int]
-    ) -> np.ndarray:
-        """Those of the rows that are ``filled``, without the few at both ends that lack numbers.
-
-        ``at_begin`` and ``at_end`` are the cells there that are none, ``lines`` those of all rows.
-        """
-        last = {row: cells for row, cells in at_end.items() if row < filled.stop}
-        inside = rows[filled.start : filled.stop - len(last)]
-        begin = filled.start + self._first_kept(inside, at_begin, lines[filled.start : filled.stop])
-        below = {row - begin: cells for row, cells in last.items()}
-        return self._without_end(rows[begin : filled.stop], below, lines[begin : filled.stop])
-
-    def _filled(
-        self,
-        rows: np.ndarray,
-        empty_first: Mapping[int, int],
-        empty_last: Mapping[int, int],
-        split: Sequence[Sequence[str]],
-        lines: Sequence[int],
-    ) -> range:
-        """The rows between those at both ends in which columns are empty that hold numbers in all others.
-
-        ``empty_first`` and ``empty_last`` count such rows by column; ``split`` are all rows' cells, ``lines`` theirs.
-        None are left out that alone hold a column's numbers. Raises InputError if a needed column stays empty there.
-        """
-        count = len(rows)
-        between = {
-            column: range(empty_first.get(column, 0), count - empty_last.get(column, 0)) for column in self.judged
-        }
-        full = {
-            column: kept
-            for column, kept in between.items()
-            if self.known[column] and len(kept) < count and np.isfinite(rows[kept.start : kept.stop, column]).all()
-        }
-        first = max(full, key=lambda column: full[column].start, default=0)
-        last = min(full, key=lambda column: full[column].stop, default=0)
-        filled = range(full[first].start, full[last].stop) if full else range(count)
-        outside = np.isfinite(rows[: filled.start]).any(axis=0) | np.isfinite(rows[filled.stop :]).any(axis=0)
-        if (outside & ~self.seen & ~np.isfinite(rows[filled.start : filled.stop]).any(axis=0)).any():
-            filled = range(count)
-        left = len(self.first) + count - len(filled)  # at both ends
-        if self.signals_known and left > max(MOST, MOST_EMPTY * (lines[-1] - self.first_line + 1 if lines else 0)):
-            filled = range(count)
-        for column in self.needed:
-            at = next((row for row in filled if row not in between[column]), None)
-            if at is not None:
-                raise self._no_number(lines[at], column, split[at][column])
-        if filled.start:
-            self._report_left_out(lines[: filled.start], first, split[0][first], at_begin=True)
-            self.first = [line - self.first_line for line in lines[: filled.start]]
-        if filled.stop < count:
-            self.last = count - filled.stop
-            self._report_left_out(lines[filled.stop :], last, split[filled.stop][last], at_begin=False)
-        return filled
-
-    def _first_kept(self, rows: np.ndarray, at_begin: Cells, lines: Sequence[int]) -> int:
-        """The first row that is not left out; ``at_begin`` are the first rows' cells that are none, ``lines`` theirs.
-
-        Raises InputError if a row that stays lacks a number in a needed column.
-        """
-        kept = 0
-        most_first = range(len(at_begin), 0, -1)
-        begins = ((range(count), np.isfinite(rows[count:]).all(axis=0)) for count in most_first)
-        if (found := incomplete_rows(begins, at_begin, self.judged)) is not None:
-            self._report_incomplete(*found, at_begin, lines)
-            kept = len(found[0])
-            self.first += [line - self.first_line for line in lines[:kept]]
-        self._refuse_needed({row: cells for row, cells in at_begin.items() if row >= kept}, lines)
-        return kept
-
-    def _refuse_needed(self, cells: Cells, lines: Sequence[int]) -> None:
-        """Raise InputError for the first of the ``cells`` that is in a needed column."""
-        for row, held in sorted(cells.items()):
-            for column, cell in held.items():
-                if column in self.needed:
-                    raise self._no_number(lines[row], column, cell)
 
     def _refuse_unnamed(self, lines: list[str]) -> None:
         """Raise InputError if all rows have as many cells more than the header has names."""
@@ -392,22 +299,6 @@ class RowReader:
             f"{self.path}: line {line}: column {self.header[column]!r}: {wrong}; correct it, remove the "
             "row, or leave the column out of the import map"
         )
-
-    def _without_end(self, rows: np.ndarray, at_end: Cells, lines: Sequence[int]) -> np.ndarray:
-        """The rows without the last ones that lack numbers; ``at_end`` are their cells that are none, ``lines`` theirs.
-
-        Raises InputError if a row that stays lacks a number in a needed column.
-        """
-        first = len(rows)
-        while first - 1 in at_end:
-            first -= 1
-        most_first = (range(begin, len(rows)) for begin in range(first, len(rows)))
-        ends = ((end, self.known & np.isfinite(rows[: end.start]).all(axis=0)) for end in most_first)
-        if (found := incomplete_rows(ends, at_end, self.judged)) is not None:
-            self._report_incomplete(*found, at_end, lines)
-            rows = rows[: found[0].start]
-        self._refuse_needed({row: cells for row, cells in at_end.items() if row < len(rows)}, lines)
-        return rows
 
 
 def _is_number(cell: str) -> bool:

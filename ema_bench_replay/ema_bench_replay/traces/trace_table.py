@@ -150,9 +150,9 @@ def _read(
         rows.decimals,
         style,
         tuple(rows.warnings),
-        tuple(sorted((*rows.empty, *rows.first))),
+        tuple(sorted((*rows.empty, *rows.ends.first))),
         in_seconds=in_seconds,
-        is_cut=bool(rows.first or rows.last),
+        is_cut=bool(rows.ends.first or rows.ends.last),
     )
     return with_common_time(table) if header.pairs else table
 

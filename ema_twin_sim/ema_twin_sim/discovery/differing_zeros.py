@@ -20,6 +20,7 @@ from ..criteria import CORRELATION, DEPENDS, MOSTLY, NEGLIGIBLE, SMALL
 from ..effects import catalogue
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
+from ..identification.loads_at_an_angle import loads_of
 from ..listing import listed
 from ..measured.order_spectrum import largest_in_cells, refined
 from ..model import Model
@@ -27,7 +28,6 @@ from ..model.own_units import is_linear, shown
 from ..plant.measured_motion import MOTOR_ANGLE
 from ..quantities import quantity
 from ..simulation.angle_origins import acts_at_an_angle
-from .criteria.loads_at_an_angle import loads_of
 
 LINES = 4  # most lines of the order spectrum that are used
 STEP = ORDERS[1] - ORDERS[0]

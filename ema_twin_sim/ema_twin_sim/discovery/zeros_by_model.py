@@ -19,6 +19,7 @@ from ..comparison.orders import FEWEST_CYCLES
 from ..criteria import NEGLIGIBLE
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit, fit
+from ..identification.loads_at_an_angle import loads_of
 from ..identification.null_hypothesis import null_hypothesis
 from ..listing import listed
 from ..measured.observe import observe_all
@@ -27,7 +28,6 @@ from ..measured.scales import to_own_units
 from ..model import Model
 from ..model.own_units import is_linear
 from ..quantities import quantity
-from .criteria.loads_at_an_angle import loads_of
 from .differing_zeros import (
     as_recorded,
     best_shift,

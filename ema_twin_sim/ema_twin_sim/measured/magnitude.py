@@ -51,8 +51,8 @@ def looks_like_a_magnitude(moving: Moving | None, values: np.ndarray, *, noisy: 
 
     Instead of the latter it may go down to zero in motion both ways, which no load that keeps the sign allows, or be no
     worse described and the same both ways, as without any friction. ``values`` (n,) are all of the signal, also those
-    at rest. Of a ``noisy`` one, which noise alone makes negative, neither tells anything, and it is none
-    if it is negative in fast motion: noise makes a magnitude negative where the machine rests or turns round.
+    at rest. Of a ``noisy`` one, which noise alone makes negative, neither tells anything, and it is none if it is
+    negative in fast motion: noise makes a magnitude negative where the machine rests or turns round.
     """
     if moving is None or not both_ways(moving.speed):
         return False

@@ -22,6 +22,7 @@ from ..criteria import SMALL
 from ..listing import first_of
 from ..measured.drive_regression import agreed_sign, signs_of_drive
 from ..measured.load_sensor import falls_with_load, follows_load, times_current
+from ..measured.magnitude import any_in_a_row
 from ..measured.ratio_of_positions import ratio_of_positions
 from ..measured.scales import to_own_units
 from ..measured.sign_by_friction import sign_by_friction
@@ -261,8 +262,8 @@ def _no_sign(guess: Guess, recordings: Sequence[Recording]) -> str:
     read = [recording.signals[guess.signal] for recording in recordings if recording.has(guess.signal)]
     negative = [values < 0.0 for values in read]
     but = " but for single samples" if any(rows.any() for rows in negative) else ""
-    if any((rows[1:] & rows[:-1]).any() for rows in negative):
-        but = " but by its noise"
+    if any(map(any_in_a_row, negative)):
+        but = " but for its noise"
     return (
         f"{guess.column}: never negative{but}, so it looks like a magnitude without sign (`magnitude: true` in the "
         "map), which serves to judge health and drives no twin; record the motor's current with its sign, or take the "

@@ -50,8 +50,6 @@ ONE_AMPERE_IS = "one ampere means one"  # ends the source of a noise that is the
 AS_FINE_AS_NOISE = "as fine as the noise of the recording"
 _FEWEST = 10
 _BEHIND = 0.2  # share of inertia and friction that is behind the gearbox, as a start value
-
-
 _HOW_TO_GIVE_GAINS = "To simulate commands, fill in the lines of `drive:`, which the model holds as comments."
 
 

@@ -14,12 +14,12 @@ from ...identification.comparable import as_compares, cheapest
 from ...identification.compliance import structural_fits
 from ...identification.fit import Fit, fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
+from ...identification.loads_at_an_angle import is_load_at_an_angle, loads_at_an_angle
 from ...identification.local_minima import DAMPED, hopped, starting
 from ...identification.screening import screen
 from ...identification.separation import beside_its_wander, encoders_tell_apart, separation
 from ...identification.unseen_encoders import parting_where_unseen
 from ...model.roles import PLAY
-from ..criteria.loads_at_an_angle import is_load_at_an_angle, loads_at_an_angle
 from ..criteria.opposed_loads import opposed
 from ..criteria.plausible import uncertain
 from ..criteria.worth import ENCODER_ONLY, does_nothing, is_lacked, largest_rms_reduction, penalised_gain

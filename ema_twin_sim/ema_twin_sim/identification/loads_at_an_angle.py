@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...effects import Effect, Parameter, Trait, catalogue, effects_with
-from ...model import EffectInstance, Model
-from ...model.own_units import is_linear
-from ...simulation.angle_origins import acts_at_an_angle
+from ..effects import Effect, Parameter, Trait, catalogue, effects_with
+from ..model import EffectInstance, Model
+from ..model.own_units import is_linear
+from ..simulation.angle_origins import acts_at_an_angle
 
 
 @dataclass(frozen=True, eq=False)
