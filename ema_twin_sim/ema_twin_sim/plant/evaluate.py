@@ -2,7 +2,7 @@
 
 from numba import njit
 
-from .layout import DRY_LEVEL, OUTPUT_TORQUE, VISCOUS_COEFFICIENT
+from .layout import DRY_LEVEL, OUTPUT_TORQUE, TORQUE
 from .operating_point import call_effect, changed
 
 
@@ -19,13 +19,13 @@ def evaluate(effects, at):
     for k in range(addresses.shape[0]):
         point = changed(at, at.transmitted_torque, dry)
         value = call_effect(addresses[k], point, (p[k, 0], p[k, 1], p[k, 2], p[k, 3]))
-        if places[k] == DRY_LEVEL:
+        if places[k] == TORQUE:
+            torque += value
+        elif places[k] == DRY_LEVEL:
             dry += value
         elif places[k] == OUTPUT_TORQUE:
             output_torque += value
-        elif places[k] == VISCOUS_COEFFICIENT:
+        else:  # VISCOUS_COEFFICIENT
             viscous += value
             torque += value * at.motor_speed
-        else:
-            torque += value
     return torque, (0.0 if dry < 0.0 else dry), output_torque, viscous

@@ -95,6 +95,12 @@ def call_effect(typing_context, address, at, parameters):
         status, value = context.call_conv.call_function(
             builder, pointer, types.float64, SIGNATURE.args, (at, parameters)
         )
-        return builder.select(status.is_ok, value, context.get_constant(types.float64, math.nan))
+        called = builder.basic_block  # branched, not selected: a processor predicts it and does not wait for the status
+        with builder.if_then(builder.not_(status.is_ok), likely=False):
+            raised = builder.basic_block
+        result = builder.phi(value.type)
+        result.add_incoming(value, called)
+        result.add_incoming(context.get_constant(types.float64, math.nan), raised)
+        return result
 
     return types.float64(types.int64, _POINT, _PARAMETERS), generate
