@@ -33,8 +33,8 @@ def test_compare_prints_units_noise_floor_and_where_it_fails(traces):
 
 
 def test_errors_in_a_noise_as_large_as_the_signal_are_no_good_news(tmp_path, ramp):
-    model = load_model("polito_bench")
-    save_model(model.with_value("sensors.current_noise", 5.0), tmp_path / "noisy.yaml")
+    model = load_model("polito_bench").with_value("sensors.current_noise", 5.0)
+    save_model(model.with_value("sensors.output_encoder_noise", 1e5), tmp_path / "noisy.yaml")
     text = done("compare", ramp, "--model", tmp_path / "noisy.yaml", "--input", "current").stdout
     assert "nothing left to find" not in text
     assert "which hides any error" in text

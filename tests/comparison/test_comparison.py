@@ -101,7 +101,7 @@ def test_a_recording_without_a_setpoint_is_driven_by_its_current(stock, recordin
     counters = {n: bare.signals[n] for n in ("current", "motor_position", "output_position")}
     comparison = compare([Recording("bare", bare.stamps, counters)], stock)
     assert comparison.input == "current"
-    assert set(comparison.overall) == {"current", "motor_position", "output_position", "unexplained_torque"}
+    assert set(comparison.overall) == {*counters, "unexplained_torque", "encoder_difference"}
     with pytest.raises(InputError, match="speed_setpoint"):
         compare([Recording("bare", bare.stamps, counters)], stock, "setpoint")
 

@@ -104,6 +104,9 @@ def assert_alike(one, other, place=""):
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_figures_of_pieces_are_those_of_the_whole(variant, source, bench, stock, by_pieces):
     recording = VARIANTS[variant](bench)
+    if source == "current":  # the encoder difference is computed for recordings that fit into memory
+        others = {name: values for name, values in recording.signals.items() if name != "output_position"}
+        recording = with_signals(recording, others, recording.stamps)
     whole = compare([recording], stock, source)
     by_pieces()
     told = compare([recording], stock, source)

@@ -44,6 +44,8 @@ def show_comparison(comparisons: Sequence[Comparison], labels: Sequence[str] = (
     if comparisons[0].input == "current":
         driving = input_words("current", comparisons[0].overall, comparisons[0].motion)
         say(f"The {driving} drives the twin open loop: its speed and positions drift and are left out (JSON has them).")
+        if "encoder_difference" in comparisons[0].overall:
+            say("The encoder difference of a model is that of its output driven by the motor's measured motion.")
     for comparison in comparisons:
         torques = {r.name: r.torque_error for r in comparison.recordings if r.torque_error is not None}
         show_torque_errors(torques, comparison.motion, comparison.model if len(comparisons) > 1 else "")

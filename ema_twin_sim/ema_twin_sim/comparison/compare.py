@@ -24,7 +24,8 @@ from ..model.matching import by_torque
 from ..model.own_units import shown
 from ..parallel import simulations
 from ..simulation.angle_origins import angle_origins, without_common_zero
-from ..simulation.compared_signals import UNITS
+from ..simulation.compared_signals import ALL_UNITS, ENCODER_DIFFERENCE, UNITS
+from ..simulation.encoder_difference import with_encoder_difference
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
 from .at_rest import AtRest, at_rest
 from .beyond_noise import beyond_noise, shown_signals
@@ -43,7 +44,7 @@ MIXED = "mixed"
 Signals = dict[str, SignalError]
 
 _Beside = tuple[RunningComparison, dict[str, Stretch], dict[str, DecisiveStretch], dict[str, ShiftSums]]
-_UNITS = UNITS | {"motor_torque": signal_unit("motor_torque")}
+_UNITS = ALL_UNITS | {"motor_torque": signal_unit("motor_torque")}
 """Signals traced to a place, including the drive's torque if there is no current."""
 
 
@@ -140,7 +141,7 @@ def compare(
     compared = []
     starts: list[str] = []
     slow = standstill(given, asked, together)
-    stretches: dict[str, list[Stretch]] = {name: [] for name in UNITS}
+    stretches: dict[str, list[Stretch]] = {name: [] for name in ALL_UNITS}
     shifts: list[dict[str, ShiftSums]] = []
 
     def beside(recording: Recording, chosen: str) -> _Beside:
@@ -271,7 +272,8 @@ def overall_errors(recordings: Sequence[Recording], model: Model, noise: Mapping
 
     def beside(recording: Recording, source: str) -> RunningComparison:
         running = RunningComparison(twin, source, period=recording.sample_period, noise=noise)
-        running.add_rows(recording.signals, simulate(twin, recording, source, wanted=UNITS).signals)
+        simulated = simulate(twin, recording, source, wanted=UNITS)
+        running.add_rows(*with_encoder_difference(twin, recording, source, simulated))
         return running
 
     for running in simulations(beside, matched, inputs):
@@ -294,7 +296,7 @@ def _beside(
     """
     twin = simulate(model, recording, source, step=step, wanted=UNITS, progress=progress)
     running = RunningComparison(model, source, period=recording.sample_period, noise=noise)
-    residuals = running.add_rows(recording.signals, twin.signals)
+    residuals = running.add_rows(*with_encoder_difference(model, recording, source, twin))
     ratio = model.value("machine.gear_ratio")
     traced = [name for name in explained_signals(source) if name in residuals]
     own = {name: np.ascontiguousarray(residuals[name]) for name in traced}  # a view would keep all rows
@@ -370,10 +372,10 @@ def in_native_units(model: Model, name: str, stretch: Stretch) -> Stretch:
 
 
 def explained_signals(source: str) -> tuple[str, ...]:
-    """Signals whose errors are traced to a place: the input's main signal, with a setpoint also the output position."""
+    """Signals whose errors are traced to a place: the input's main signal, and the one that shows the gearbox."""
     if source == BY_MOTOR:
         return ("output_position",)
-    return ("unexplained_torque",) if source == "current" else ("current", "output_position")
+    return ("unexplained_torque", ENCODER_DIFFERENCE) if source == "current" else ("current", "output_position")
 
 
 def stretch_of(recording: Recording, twin: Recording, residual: np.ndarray, ratio: float) -> Stretch:

@@ -13,7 +13,7 @@ from ema_bench_replay.long_columns import by_pieces, pieces, times
 
 from ..criteria import NOISY
 from ..model import Model
-from ..simulation.compared_signals import UNITS, driving, noise_floors
+from ..simulation.compared_signals import ALL_UNITS, UNITS, driving, noise_floors
 from .beyond_noise import told_share
 from .independent_rows import independent_rows
 
@@ -67,15 +67,15 @@ class RunningComparison:
         self.samples = 0
         self._model = model
         self._torque_constant = model.value("machine.torque_constant")
-        self._square = dict.fromkeys(UNITS, 0.0)
-        self._measured_square = dict.fromkeys(UNITS, 0.0)
-        self._count = dict.fromkeys(UNITS, 0)
-        self._independent = dict.fromkeys(UNITS, 0.0)
+        self._square = dict.fromkeys(ALL_UNITS, 0.0)
+        self._measured_square = dict.fromkeys(ALL_UNITS, 0.0)
+        self._count = dict.fromkeys(ALL_UNITS, 0)
+        self._independent = dict.fromkeys(ALL_UNITS, 0.0)
         self._window: dict[str, deque[float]] = {
-            name: deque(maxlen=max(1, round(window / self._period))) for name in UNITS
+            name: deque(maxlen=max(1, round(window / self._period))) for name in ALL_UNITS
         }
         self._width = window
-        self._times: dict[str, deque[float]] = {name: deque() for name in UNITS}
+        self._times: dict[str, deque[float]] = {name: deque() for name in ALL_UNITS}
         self._has_speed = False
         self._noise = noise
         self._floors: dict[bool, dict[str, float]] = {}
@@ -117,7 +117,7 @@ class RunningComparison:
         """Add whole recordings, signals float64 (n,) by name, and return the residuals (n,) of those that both have."""
         residuals = {}
         count = 0
-        for name in UNITS:
+        for name in ALL_UNITS:
             if name not in twin or (name not in bench and name != "unexplained_torque"):
                 continue
             if name == "unexplained_torque":
@@ -146,7 +146,7 @@ class RunningComparison:
         """
         self.samples += other.samples
         self._has_speed = self._has_speed or other._has_speed
-        for name in UNITS:
+        for name in ALL_UNITS:
             if other.source != self.source and name in driving(other.source):
                 continue
             self._count[name] += other._count[name]
@@ -162,7 +162,7 @@ class RunningComparison:
     @property
     def rmse(self) -> dict[str, float]:
         """RMSE over the run per signal, NaN if nothing was compared."""
-        return {n: math.sqrt(self._square[n] / self._count[n]) if self._count[n] else math.nan for n in UNITS}
+        return {n: math.sqrt(self._square[n] / self._count[n]) if self._count[n] else math.nan for n in ALL_UNITS}
 
     @property
     def rmse_window(self) -> dict[str, float]:
@@ -203,7 +203,7 @@ class RunningComparison:
                 "rmse": rmse,
                 "relative": math.sqrt(self._square[name]) / norm if norm > 0.0 else 0.0,
                 "noise_floor": self.noise_floor[name],
-                "unit": UNITS[name],
+                "unit": ALL_UNITS[name],
                 "driven": name in driving(self.source),
             }
         return found

@@ -28,6 +28,8 @@ from ..model import EffectInstance, Model
 from ..model.own_units import in_si, shown_entry, shown_options
 from ..parallel import simulations
 from ..plant.measured_motion import TIME
+from ..simulation.compared_signals import ENCODER_DIFFERENCE
+from ..simulation.encoder_difference import with_encoder_difference
 from ..simulation.simulate import choose_input, simulate
 from .criteria.worth import complexity_penalty, has_effect_size, noise_per_unit, penalised_gain
 from .discover import Discovery, discover
@@ -311,7 +313,8 @@ def _removed(problem: EquationErrorProblem, found: Discovery, contenders: Sequen
         _, recording, source, model = job
         compared = RunningComparison(model, source, period=recording.sample_period, noise=found.noise)
         try:
-            compared.add_rows(recording.signals, simulate(model, recording, source).signals)
+            twin = simulate(model, recording, source)
+            compared.add_rows(*with_encoder_difference(model, recording, source, twin))
         except InputError:  # the loop cannot be simulated with these numbers: not computed for this contender
             return None
         return compared
@@ -334,7 +337,7 @@ def _removed(problem: EquationErrorProblem, found: Discovery, contenders: Sequen
 
 def _share(before: Mapping[str, SignalError], after: Mapping[str, SignalError], source: str) -> float:
     """Largest share (0 to 1) of a signal's excess error that was removed; 0 if no error is above the noise."""
-    telling = ("unexplained_torque",) if source == "current" else ("current", "output_position")
+    telling = ("unexplained_torque", ENCODER_DIFFERENCE) if source == "current" else ("current", "output_position")
     shares = [
         excess_removed(before[name], after[name])
         for name in telling

@@ -15,6 +15,7 @@ from ..measured.folds import HALF_OF
 from ..model import Model
 from ..model.own_units import in_si
 from ..parallel import simulations
+from ..simulation.encoder_difference import Signals, with_encoder_difference
 from ..simulation.simulate import simulate
 from .misfit import Misfit
 from .solver import Solution
@@ -83,17 +84,18 @@ def errors(
 ) -> Errors:
     """Errors of models, from sample ``first`` of each recording on; the given model replaces one that cannot run."""
 
-    def twin_of(recording: Recording, source: str, model: Model, instead: Model) -> Recording:
+    def signals_of(recording: Recording, source: str, model: Model, instead: Model) -> tuple[Signals, Signals]:
         try:
-            return simulate(model, recording, source)
+            twin = simulate(model, recording, source)
         except InputError:  # a parameter that only this recording determines may have any value without it
-            return simulate(instead, recording, source)
+            model, twin = instead, simulate(instead, recording, source)
+        return with_encoder_difference(model, recording, source, twin)
 
-    twins = list(simulations(twin_of, recordings, sources, models, given))
+    pairs = list(simulations(signals_of, recordings, sources, models, given))
     together = sources[0] if len(set(sources)) == 1 else MIXED
     pooled = RunningComparison(given[0], together, noise=noise)
-    for recording, source, model, twin, start in zip(recordings, sources, given, twins, first, strict=True):
+    for recording, source, model, pair, start in zip(recordings, sources, given, pairs, first, strict=True):
         one = RunningComparison(model, source, period=recording.sample_period, noise=noise)
-        one.add_rows(*({name: v[start:] for name, v in r.signals.items()} for r in (recording, twin)))
+        one.add_rows(*({name: v[start:] for name, v in signals.items()} for signals in pair))
         pooled.include(one)
     return pooled.result()

@@ -16,7 +16,8 @@ from ..measured.scales import standstill, to_rotary_equivalent
 from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
-from ..simulation.compared_signals import UNITS, driving
+from ..simulation.compared_signals import ALL_UNITS, driving
+from ..simulation.encoder_difference import with_encoder_difference
 from ..simulation.simulate import choose_input, simulate
 
 
@@ -61,8 +62,9 @@ def beside(
 
 def _beside(recording: Recording, model: Model, source: str, step: float | None, slow: float) -> Beside:
     twin = simulate(model, recording, source, step=step)
+    measured_signals, twin_signals = with_encoder_difference(model, recording, source, twin)
     residuals = RunningComparison(model, source, period=recording.sample_period).add_rows(
-        recording.signals, twin.signals
+        measured_signals, twin_signals
     )
     ratio, constant = model.value("machine.gear_ratio"), model.value("machine.torque_constant")
     by_torque = BY_TORQUE in recording.metadata
@@ -73,8 +75,8 @@ def _beside(recording: Recording, model: Model, source: str, step: float | None,
         if name in driving(source):
             continue
         torque = name == "unexplained_torque"
-        measured = recording.signals["current"] * constant if torque else recording.signals[name]
-        size, unit = shown(model, 1.0, UNITS[name])
+        measured = recording.signals["current"] * constant if torque else measured_signals[name]
+        size, unit = shown(model, 1.0, ALL_UNITS[name])
         if name == "current" and by_torque:  # as compare names it
             name, unit, size = "motor_torque", "N m", constant
             place = replace(place, residual=place.residual * constant)

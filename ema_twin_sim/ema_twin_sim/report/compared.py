@@ -16,7 +16,9 @@ from .content import Content, Shown, signal_words
 from .envelope import envelope_rows
 from .markup import Markup, capitalised, section, swatch, tag
 
-SHOWN = ("output_position", "current", "motor_torque", "speed", "motor_position", "unexplained_torque")
+SHOWN = (
+    "output_position", "current", "motor_torque", "speed", "motor_position", "unexplained_torque", "encoder_difference",
+)  # fmt: skip
 MOST = 3  # signals that are drawn
 _BUDGET = 280_000  # numbers in all curves of a page, which keeps them below 4 MB
 _MOST_POINTS = 4000  # of a curve: a screen shows no more

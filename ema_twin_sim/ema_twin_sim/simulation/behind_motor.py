@@ -100,6 +100,8 @@ def twin_behind_motor(model: Model, recording: Recording) -> Recording:
         "acceleration": np.gradient(speed, period),
         "output_angle": position / model.value("machine.gear_ratio"),
     }
+    if told.has("load_torque"):
+        columns["load"] = np.interp(time, told.time, told.signals["load_torque"])
     assembly = assemble(model)
     motor_origin, output_origin = origins_of(told, model)
     required = np.empty((len(time), len(REQUIRED)))
@@ -144,5 +146,6 @@ def _even(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
             f"{recording.name}: its motor_position holds no number; is the encoder connected, and is that the right "
             "column of the trace?"
         )
-    time = np.arange(int(recording.duration / recording.sample_period + 1e-6) + 1) * recording.sample_period
+    # from the first sample to the last: stamps in own units are rounded to nanoseconds, and so is their period
+    time = np.linspace(0.0, recording.duration, round(recording.duration / recording.sample_period) + 1)
     return time, np.interp(time, recording.time[known], position[known])

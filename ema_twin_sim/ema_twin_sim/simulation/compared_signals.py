@@ -49,8 +49,15 @@ COMPARED: dict[str, ComparedSignal] = {
 }
 """By name, in the order in which they are shown. The message ``Signals.msg`` has a field for each."""
 
+ENCODER_DIFFERENCE = "encoder_difference"
+OFFLINE: dict[str, ComparedSignal] = {ENCODER_DIFFERENCE: ComparedSignal(lambda sensors: sensors.encoder_difference())}
+"""Those compared in whole recordings only (``encoder_difference.py``)."""
+
 UNITS: dict[str, str] = {name: signal_unit(name) for name in COMPARED}
-"""Their units; a residual is measured minus twin."""
+"""The units of those compared live, too; a residual is measured minus twin."""
+
+ALL_UNITS: dict[str, str] = {**UNITS, ENCODER_DIFFERENCE: signal_unit("output_position")}
+"""The units of all compared signals."""
 
 
 def driving(source: str) -> frozenset[str]:
@@ -70,7 +77,8 @@ def noise_floors(model: Model, *, has_speed: bool = True, period: float | None =
     count from one noisy first sample; the twin's own quantisation; and a lasting lag of the speed loop caused by the
     first sample's current noise, from which the drive's integrator starts. The unexplained torque: the noise of current
     and speed (or, if ``has_speed`` is false, of the motor counter used instead) through the filters of
-    ``plant.balance`` at a sample ``period`` [s] (by default the model's).
+    ``plant.balance`` at a sample ``period`` [s] (by default the model's). The encoder difference: one sample of each
+    counter.
     """
     sensors = Sensors(model, has_speed, period or model.value("sensors.sample_period"))
-    return {name: signal.floor(sensors) for name, signal in COMPARED.items()}
+    return {name: signal.floor(sensors) for name, signal in {**COMPARED, **OFFLINE}.items()}

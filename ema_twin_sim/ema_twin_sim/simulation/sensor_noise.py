@@ -34,6 +34,11 @@ class Sensors:
         both = math.hypot(math.sqrt(2.0) * one, _count(self.model, side) / math.sqrt(12.0))
         return math.hypot(both, self.lag[side])
 
+    def encoder_difference(self) -> float:
+        """Noise of the output's position minus the motor's [rad of the output]."""
+        motor, output = (counter_noise(self.model, side) for side in ("motor", "output"))
+        return math.hypot(output, motor / self.model.value("machine.gear_ratio"))
+
     def balance(self) -> float:
         """Noise of the unexplained torque."""
         motion = self.speed if self.has_speed else counter_noise(self.model, "motor")
