@@ -2,7 +2,7 @@
 
 import pytest
 
-from ema_twin_sim.fitting.doubts import no_nearer
+from ema_twin_sim.fitting.doubts import no_nearer, tells
 
 
 def errors(current, speed, *, driven=False):
@@ -62,3 +62,11 @@ def test_what_counts_there_is_by_how_much_the_errors_grew_and_shrank():
 )
 def test_what_is_no_worse_needs_no_note(before, after):
     assert no_nearer(before, after, before, after, by_equation=False, hit=False) == []
+
+
+def test_driven_by_the_current_a_model_is_judged_by_torque_and_encoder_difference():
+    """Its speed drifts; the encoder difference does not, since the motor moves there as measured."""
+    given = errors(0.0, 0.5, driven=True)
+    counted = ("unexplained_torque", "encoder_difference")
+    judged = {**given, **{name: {**given["speed"], "rmse": 1e-3} for name in counted}}
+    assert [name for name in judged if tells(name, judged[name], judged)] == [*counted]

@@ -10,6 +10,7 @@ from ..comparison.beyond_noise import is_noise, times_noise, times_words
 from ..comparison.running_comparison import SignalError
 from ..criteria import NEGLIGIBLE, NOISY, TOO_MUCH
 from ..quantities import quantity
+from ..simulation.compared_signals import drifting
 from .unseen import Errors
 
 
@@ -61,12 +62,9 @@ def still_far(after: Errors, hit: bool) -> list[str]:
 
 
 def tells(signal: str, error: SignalError, errors: Errors) -> bool:
-    """Whether a signal's error says something about the model: it is no input and does not drift.
-
-    With the current as input, everything but the unexplained torque drifts.
-    """
+    """Whether a signal's error says something about the model: it is no input and does not drift."""
     by_current = any(errors[name]["driven"] for name in ("current", "motor_torque") if name in errors)
-    return not error["driven"] and (signal == "unexplained_torque" or not by_current)
+    return not error["driven"] and not (by_current and signal in drifting("current"))
 
 
 def _is_nearer(before: SignalError, after: SignalError) -> bool:
