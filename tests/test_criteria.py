@@ -45,6 +45,7 @@ METHOD = {
     "identification/excerpt.py": "EXCERPT EXCERPTS MOST_TURNS",
     "identification/fit.py": "INITIAL_DAMPING NO_GAIN",
     "measured/quieter_motion.py": "MOST_PERIODS AS_QUIET PARTS STRETCHES STRETCH",
+    "discovery/late_output.py": "SEARCHED_TO",
     "discovery/zeros_by_load.py": "SAME_ROWS",
     "discovery/zeros_by_model.py": "SAMPLES",
     "identification/generic_bases.py": (

@@ -93,7 +93,7 @@ def own(act, *shapes):
     return Effect("mine", "s", "e", "s", "s", (size, *shapes), act=act)
 
 
-REACHED = Reached(0.4, 10.0, 15.0, 1.0, 20.0, (-0.2, 0.8), (0.0, 0.0), 0.002)
+REACHED = Reached(0.4, 10.0, 15.0, 1.0, 20.0, (-0.2, 0.8), (0.0, 0.0), 0.02)
 
 
 def test_what_a_table_says_is_kept():

@@ -38,6 +38,7 @@ from .experiment.doubts import moves_one_way
 from .experiment.suggestion import suggest
 from .followed import with_followed_numbers
 from .idle_effects import idle_effects, idle_encoder_errors, shows_over
+from .late_output import longer_delay
 from .left_over import left_over_words
 from .reading import read_with_one_zero
 from .search.adding import settle
@@ -148,6 +149,10 @@ def discover(
     recordings, model, problem, null, noise = read.recordings, read.model, read.problem, read.null, read.noise
     excluded = excluded_effects(recordings, model, without)
     found, known = _searched(problem, null, excluded, progress)
+    if not known and (longest := longer_delay(problem, found.rounds[0].before)):
+        progress("an encoder seems to be late: trying longer delays")
+        again, known = _searched(problem.with_encoders_late_by(longest), null, excluded, progress)
+        found = again if known else found
     found = with_factor_as_constant(found, recordings)
     searched = found.fit
     start = found.rounds[0].before

@@ -63,6 +63,10 @@ class EquationErrorProblem(WeightedRows):
         turned = tuple(replace(o, motor_origin=o.motor_origin + angle) for o in self.observations)
         return self._but(observations=turned, kept_rows={}, kept_bases={})
 
+    def with_encoders_late_by(self, seconds: float) -> EquationErrorProblem:
+        """The same problem with delays of an encoder of up to so many ``seconds``."""
+        return self._but(reached=replace(self.reached, latest=seconds))
+
     def bounds(self, h: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
         """(lower, upper) (k,) of the free parameters; those of effects limited to what these recordings reach."""
         lower = np.array([free.lower for free in h.free])

@@ -34,7 +34,7 @@ class Reached:
     """What recordings reach: N m, rad/s and rad/s² of the fast shaft, rad of the slow shaft, s.
 
     ``places`` are the smallest and largest angle of the slow shaft, by its encoder, and ``began`` the same of those at
-    which the recordings begin; ``period`` is the longest between samples.
+    which the recordings begin. ``latest`` [s] is the longest delay of an encoder that is searched for.
     """
 
     torque: float
@@ -44,7 +44,7 @@ class Reached:
     duration: float
     places: tuple[float, float]
     began: tuple[float, float]
-    period: float
+    latest: float
 
 
 def reached(observations: Sequence[Observation]) -> Reached:
@@ -66,7 +66,7 @@ def reached(observations: Sequence[Observation]) -> Reached:
         max((float(np.ptp(o.motion[:, TIME])) for o in observations), default=0.0),
         (float(min(ends, default=0.0)), float(max(ends, default=0.0))),
         (min(began, default=0.0), max(began, default=0.0)),
-        max((o.period for o in observations), default=0.0),
+        max(LATEST, LATEST_SAMPLES * max((o.period for o in observations), default=0.0)),
     )
 
 
@@ -88,7 +88,7 @@ def _largest(effect: Effect, parameter: Parameter, of: Reached) -> float:
     size = effect.parameters[0]
     most = SEARCHED_UP_TO if parameter is size else ANY_SIZE
     if parameter.unit == "s" and parameter is size:
-        return max(LATEST, LATEST_SAMPLES * of.period)
+        return of.latest
     if parameter.unit in _POWERS:
         if parameter.lower > 0.0:  # a stiffness, which may be practically rigid
             return math.inf
