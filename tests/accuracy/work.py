@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import multiprocessing
 import os
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -37,6 +38,18 @@ def solve(case: Case, without: Sequence[str] = ()) -> Verdict:
         return broken(case, error, time.perf_counter() - start)
 
 
+def _end_with_parent() -> None:
+    """Let a worker end when the process that started it does, even if that was killed."""
+    parent = multiprocessing.parent_process()
+
+    def follow() -> None:
+        if parent is not None:
+            parent.join()
+        os._exit(1)
+
+    threading.Thread(target=follow, daemon=True).start()
+
+
 class Solvers:
     """Worker processes that solve cases, several at a time."""
 
@@ -44,7 +57,8 @@ class Solvers:
         # libraries that each take all cores would only get in each other's way
         for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"):
             os.environ.setdefault(name, "1")
-        self._pool = ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
+        context = multiprocessing.get_context("spawn")
+        self._pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_end_with_parent)
 
     def __enter__(self) -> Solvers:
         return self
