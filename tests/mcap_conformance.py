@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from itertools import combinations
 
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
@@ -41,6 +42,22 @@ CONTENTS: dict[str, list[McapRecord]] = {
 """Records by the names that the files begin with."""
 _NEVER_PADDED = (Opcode.MESSAGE, Opcode.CHUNK, Opcode.DATA_END, Opcode.FOOTER)
 _PADDING = b"\x01\xff\xff"
+_FEATURE_OF = {Schema: "rsh", Channel: "rch", Attachment: "ax", Metadata: "mdx"}
+"""The feature that puts a kind of record, or its index, into the summary."""
+
+
+def conformance_names(content: str) -> Iterator[str]:
+    """The names of all files of that content."""
+    kinds = {type(record) for record in CONTENTS[content]}
+    in_summary = {"st", *(feature for kind, feature in _FEATURE_OF.items() if kind in kinds)}
+    of_chunks = {"ch", "chx", "mx"} if Message in kinds else set()
+    features = sorted(in_summary | of_chunks | {"pad", "sum"})
+    for count in range(len(features) + 1):
+        for chosen in combinations(features, count):
+            indexes_chunks, gives_offsets = not {"chx", "mx"}.isdisjoint(chosen), "sum" in chosen
+            has_groups = not (in_summary | {"chx"}).isdisjoint(chosen)
+            if ("ch" in chosen or not indexes_chunks) and (has_groups or not gives_offsets):
+                yield "-".join((content, *chosen))
 
 
 def conformance_file(name: str) -> bytes:
