@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.nodes.sample_codec import FIELDS, State
+from ema_bench_replay.nodes.sample_codec import FIELDS
 from ema_bench_replay.recording import Recording
+from ema_bench_replay.sample import State
 from ema_twin_sim.live.diagnosing.apply import settings_for
 from ema_twin_sim.live.diagnosing.frames import Answer, Job, receive_answer, receive_job, send
 from ema_twin_sim.live.diagnosing.judge import settings_between, still_missing

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.load import load
-from ema_bench_replay.recording import SIGNALS
+from ema_bench_replay.sample import VALUES
 from ema_twin_sim.live.follower import Follower
 from ema_twin_sim.live.sample_stream import Kind
 from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.simulate import simulate
 
-UNKNOWN = dict.fromkeys((*SIGNALS, "motor_angle_origin", "output_angle_origin"), math.nan)
+UNKNOWN = dict.fromkeys(VALUES, math.nan)
 
 
 @pytest.fixture(scope="module")
@@ -26,13 +26,9 @@ def model():
 
 
 def samples(recording):
-    origins = {
-        "motor_angle_origin": recording.motor_angle_origin,
-        "output_angle_origin": recording.output_angle_origin,
-    }
     for index in range(len(recording)):
         values = {name: column.item(index) for name, column in recording.signals.items()}
-        yield index, recording.start + int(recording.stamps[index]), UNKNOWN | values | origins
+        yield index, recording.start + int(recording.stamps[index]), UNKNOWN | values | recording.origins
 
 
 def follow(follower, recording, run=1):

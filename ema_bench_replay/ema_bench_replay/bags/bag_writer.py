@@ -120,10 +120,7 @@ def encoder_of(file: McapFile, topic: str, type_name: str, qos: str, example: di
 def _state_columns(recording: Recording, samples: np.ndarray) -> dict[str, np.ndarray | float]:
     """Fields of EmaState; others stay NaN."""
     signals = {name: values[samples] for name, values in recording.signals.items()}
-    return {"sequence": samples, **signals, **{name: getattr(recording, name) for name in _ORIGINS}}
-
-
-_ORIGINS = ("motor_angle_origin", "output_angle_origin")
+    return {"sequence": samples, **signals, **recording.origins}
 
 
 def _joint_columns(recording: Recording, joints: dict[str, str], samples: np.ndarray) -> dict[str, np.ndarray]:
@@ -169,7 +166,6 @@ def _metadata(recording: Recording) -> dict[str, str]:
     return {
         **recording.metadata,
         "signals": " ".join(recording.signals),
-        "motor_angle_origin": repr(float(recording.motor_angle_origin)),
-        "output_angle_origin": repr(float(recording.output_angle_origin)),
+        **{name: repr(origin) for name, origin in recording.origins.items()},
         "warnings": "\n".join(recording.warnings),
     }
