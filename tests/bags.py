@@ -1,6 +1,7 @@
 """Recordings and bags that tests make, as this project and as other tools write them."""
 
 import math
+from contextlib import contextmanager
 
 import numpy as np
 from mcap.writer import CompressionType, Writer
@@ -50,18 +51,31 @@ def write_other(
     path, samples, *, definition=DEFINITION, compression=CompressionType.NONE, chunked=True, topic="/bench/state"
 ):
     """A bag as another tool may write it: one call a message, `samples` of fields and log times."""
-    types, root = parse(definition, STATE)
+    options = {"compression": compression, "use_chunking": chunked, "chunk_size": 4096}
+    with other_writer(path, definition, topic, **options) as (writer, channel):
+        for content, log_time in serialised(samples, definition):
+            writer.add_message(channel, log_time, content, log_time)
+    return path
+
+
+@contextmanager
+def other_writer(path, definition=DEFINITION, topic="/bench/state", **options):
+    """The library's writer of a bag with one topic of states, and the channel of that; it is finished at the end."""
     with path.open("wb") as stream:
-        writer = Writer(stream, compression=compression, use_chunking=chunked, chunk_size=4096)
+        writer = Writer(stream, **options)
         writer.start(profile="ros2")
         schema = writer.register_schema(STATE, "ros2msg", definition.encode())
-        channel = writer.register_channel(topic, "cdr", schema, {"offered_qos_profiles": ""})
-        for values, log_time in samples:
-            stamp = dict(zip(("sec", "nanosec"), divmod(values["stamp"], 10**9), strict=True))
-            header = {"stamp": stamp, "frame_id": values.get("frame_id", "")}
-            writer.add_message(channel, log_time, serialise(types, root, {**values, "header": header}), log_time)
+        yield writer, writer.register_channel(topic, "cdr", schema, {"offered_qos_profiles": ""})
         writer.finish()
-    return path
+
+
+def serialised(samples, definition=DEFINITION):
+    """Samples of fields and log times as messages and log times."""
+    types, root = parse(definition, STATE)
+    for values, log_time in samples:
+        stamp = dict(zip(("sec", "nanosec"), divmod(values["stamp"], 10**9), strict=True))
+        header = {"stamp": stamp, "frame_id": values.get("frame_id", "")}
+        yield serialise(types, root, {**values, "header": header}), log_time
 
 
 def some_samples(count=50, **fields):
