@@ -73,10 +73,8 @@ def _bags(compression: CompressionType) -> Callable[[Path], list[bytes]]:
         packings = [bytes, zstandard.ZstdCompressor().compress] if compression is CompressionType.ZSTD else [bytes]
         for chunked, pack in itertools.product((True, False), packings):
             path = folder / "other.mcap"
-            with other_writer(path, compression=compression, use_chunking=chunked, chunk_size=2048) as (
-                writer,
-                channel,
-            ):
+            options = {"compression": compression, "use_chunking": chunked, "chunk_size": 2048}
+            with other_writer(path, **options) as (writer, channel):
                 for message, logged in serialised(some_samples(20)):
                     writer.add_message(channel, logged, pack(message), logged)
                 writer.add_metadata("note", {"a": "b"})

@@ -5,8 +5,8 @@ import pytest
 
 from ema_bench_replay.load import load
 from ema_bench_replay.traces.header_words import header_words
-from ema_bench_replay.traces.trace_table import read_table
 from ema_bench_replay.units import ALL_UNITS
+from tests.trace_text import read_text, write_map
 
 
 @pytest.mark.parametrize(
@@ -81,16 +81,14 @@ def test_they_tell_the_kind_of_motion(name, linear):
 
 
 def test_a_row_of_them_is_one_of_units(tmp_path):
-    (tmp_path / "run.csv").write_text("Time,Stroke,Load\nsec,in,lb\n0.0,1.5,20\n0.1,1.6,21\n")
-    assert read_table(tmp_path / "run.csv").header == ["Time [sec]", "Stroke [in]", "Load [lb]"]
+    table = read_text(tmp_path, "Time,Stroke,Load\nsec,in,lb\n0.0,1.5,20\n0.1,1.6,21\n")
+    assert table.header == ["Time [sec]", "Stroke [in]", "Load [lb]"]
 
 
 def test_an_import_map_takes_them(tmp_path):
-    (tmp_path / "own.yaml").write_text(
-        "version: 1\nmotion: linear\ntime: {column: t, unit: s}\nsignals:\n"
-        "  speed: {columns: [v], unit: in/s}\n  motor_torque: {columns: [F], unit: lbf}\n"
-    )
+    signals = {"speed": "{columns: [v], unit: in/s}", "motor_torque": "{columns: [F], unit: lbf}"}
+    own = write_map(tmp_path, signals, "motion: linear\ntime: {column: t, unit: s}")
     (tmp_path / "run.csv").write_text("t,v,F\n0,1,2\n0.001,2,4\n")
-    signals = load(tmp_path / "run.csv", import_map=tmp_path / "own.yaml").signals
+    signals = load(tmp_path / "run.csv", import_map=own).signals
     assert np.allclose(signals["speed"], [0.0254, 0.0508], rtol=1e-12)
     assert np.allclose(signals["motor_torque"], [8.896443230521, 17.792886461042], rtol=1e-12)
