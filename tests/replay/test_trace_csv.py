@@ -196,7 +196,8 @@ def test_a_comment_between_rows_is_refused(trace):
     refused(trace("\n".join([HEADER, *ROWS[:2], "# pause", *ROWS[2:], ""]).encode()), "line 4", "1 cell", "remove")
 
 
-NO_NUMBER = ("NaN", "nan", "-inf", "1.#QNAN", "#NV", "--")
+NO_NUMBERS = {"NaN": "(NaN)", "nan": "(NaN)", **{word: repr(word) for word in ("-inf", "1.#QNAN", "#NV", "--")}}
+"""What stands in the place of a number, and how that is told."""
 
 
 @pytest.mark.parametrize(
@@ -210,7 +211,7 @@ NO_NUMBER = ("NaN", "nan", "-inf", "1.#QNAN", "#NV", "--")
         ([HEADER.replace("X [ms]", "Y"), *ROWS, ""], ["line 1", "no time column"]),
         (["X [ms];r1;r2;r3;r4;", *ROWS, ""], ["'siemens'", "r4821", "--map"]),
         (spoilt("0,2000", "0,2x00"), ["line 3", "'C4:Drive_axis_1.r77'", "'0,2x00' is no number"]),
-        *((spoilt("0,2000", word), ["line 3", "r77", word]) for word in NO_NUMBER),
+        *((spoilt("0,2000", word), ["line 3", "r77", told]) for word, told in NO_NUMBERS.items()),
         (spoilt("0,2000", ""), ["line 3", "r77", "empty"]),
         (spoilt("0,2000;", ""), ["line 3", "4 cells", "5"]),
         (spoilt("1.000.001", "1.00.001"), ["line 3", "1.00.001"]),  # a group of thousands
@@ -220,7 +221,7 @@ NO_NUMBER = ("NaN", "nan", "-inf", "1.#QNAN", "#NV", "--")
     ],
 )
 def test_bad_input_is_one_line_with_file_place_and_remedy(trace, lines, words):
-    refused(trace("\n".join(lines).encode()), *words)
+    refused(trace("\r\n".join(lines).encode()), *words)
 
 
 def test_files_that_are_no_texts_are_refused(trace, tmp_path):
