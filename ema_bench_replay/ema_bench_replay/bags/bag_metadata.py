@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import yaml
+
+from ema_bench_replay.bags.definitions import message_definition
 
 _INFINITE = "\n    sec: 9223372036\n    nsec: 854775807"
 
@@ -16,9 +18,7 @@ class Topic(NamedTuple):
 
     name: str
     type_name: str
-    type_hash: str
-    qos: str
-    messages: int
+    qos: str  # rosbag2's offered_qos_profiles (YAML): one or several
 
 
 def qos_profile(*, reliability: str, durability: str, history: str = "keep_last", depth: int = 10) -> str:
@@ -44,15 +44,15 @@ class FileOfBag(NamedTuple):
     messages: int
 
 
-def metadata_yaml(files: Sequence[FileOfBag], topics: Sequence[Topic]) -> str:
-    """Text of metadata.yaml for a bag of these files, in the order in which they are played."""
+def metadata_yaml(files: Sequence[FileOfBag], topics: Mapping[Topic, int]) -> str:
+    """Text of metadata.yaml for a bag of these files, in the order in which they are played, and messages by topic."""
     held = [file for file in files if file.messages] or files[:1]
     first, last = min((file.first for file in held), default=0), max((file.last for file in held), default=0)
     information = {
         "version": 9,
         "storage_identifier": "mcap",
         **_span(first, last, sum(file.messages for file in files)),
-        "topics_with_message_count": [_described(topic) for topic in topics],
+        "topics_with_message_count": [_described(topic, count) for topic, count in topics.items()],
         "compression_format": "",
         "compression_mode": "",
         "relative_file_paths": [file.name for file in files],
@@ -72,12 +72,12 @@ def _span(first: int, last: int, messages: int) -> dict[str, Any]:
     }
 
 
-def _described(topic: Topic) -> dict[str, Any]:
+def _described(topic: Topic, messages: int) -> dict[str, Any]:
     described = {
         "name": topic.name,
         "type": topic.type_name,
         "serialization_format": "cdr",
         "offered_qos_profiles": yaml.safe_load(topic.qos) or [],
-        "type_description_hash": topic.type_hash,
+        "type_description_hash": message_definition(topic.type_name).type_hash,
     }
-    return {"topic_metadata": described, "message_count": topic.messages}
+    return {"topic_metadata": described, "message_count": messages}

@@ -30,6 +30,8 @@ from mcap.records import (
     SummaryOffset,
 )
 
+from ema_bench_replay.bags.bag_metadata import Topic
+from ema_bench_replay.bags.definitions import message_definition
 from ema_bench_replay.bags.spilled import Spilled
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -99,15 +101,16 @@ class McapFile:
         """Bytes written so far."""
         return self._position
 
-    def add_channel(self, topic: str, type_name: str, definition: str, qos: str, type_hash: str) -> int:
-        """Add a topic; returns the channel's number. `qos` is rosbag2's offered_qos_profiles (YAML)."""
-        schema = next((schema for schema in self._schemas if schema.name == type_name), None)
+    def add_channel(self, topic: Topic) -> int:
+        """Add a topic; returns the channel's number. Raises InputError if its type's definition is not found."""
+        definition = message_definition(topic.type_name)
+        schema = next((schema for schema in self._schemas if schema.name == topic.type_name), None)
         if schema is None:
-            schema = Schema(len(self._schemas) + 1, definition.encode(), "ros2msg", type_name)
+            schema = Schema(len(self._schemas) + 1, definition.text.encode(), "ros2msg", topic.type_name)
             self._schemas.append(schema)
             self._unwritten.append(schema)
-        metadata = {"offered_qos_profiles": qos, "topic_type_hash": type_hash}
-        channel = Channel(len(self._channels) + 1, topic, "cdr", metadata, schema.id)
+        metadata = {"offered_qos_profiles": topic.qos, "topic_type_hash": definition.type_hash}
+        channel = Channel(len(self._channels) + 1, topic.name, "cdr", metadata, schema.id)
         self._channels.append(channel)
         self._unwritten.append(channel)
         self._counts[channel.id] = 0
