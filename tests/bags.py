@@ -4,6 +4,8 @@ import math
 from contextlib import contextmanager
 
 import numpy as np
+import yaml
+from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 
 from ema_bench_replay.bags.bag_reader import read_bag
@@ -40,6 +42,17 @@ def assert_same(one, other):
     origins = [(r.motor_angle_origin, r.output_angle_origin) for r in (one, other)]
     assert np.array_equal(*origins, equal_nan=True)
     assert one.metadata == other.metadata and one.warnings == other.warnings
+
+
+def summary_of(path):
+    """The summary of a finished bag's file, as the library reads it."""
+    with path.open("rb") as file:
+        return make_reader(file).get_summary()
+
+
+def listed_in(folder):
+    """The content of a bag's metadata.yaml."""
+    return yaml.safe_load((folder / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
 
 
 def refused(path, *words, topic=None):

@@ -61,15 +61,6 @@ def test_the_oldest_go_where_there_is_no_room():
     assert len(ring) == 0
 
 
-def test_a_state_that_comes_twice_waits_once():
-    ring = Waiting(ROOM)
-    ring.keep(state(1))
-    ring.keep(state(1))
-    assert len(ring) == 1
-    assert same(ring.take(1), state(1))
-    assert ring.take(1) is None
-
-
 def test_what_waited_before_a_clearing_is_gone():
     """The number zero too, which a free row holds."""
     ring = Waiting(ROOM)
