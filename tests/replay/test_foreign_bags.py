@@ -262,15 +262,16 @@ class TestBadInput:
         samples[7][0]["speed"] = math.nan
         refused(write_other(tmp_path / "b.mcap", samples), "speed", "1 of 50", "0.007 s")
 
-    def test_nothing_known(self, tmp_path):
-        refused(write_other(tmp_path / "b.mcap", some_samples(current=math.nan, speed=math.nan)), "all signals are NaN")
-
-    def test_no_messages(self, tmp_path):
-        refused(write_other(tmp_path / "b.mcap", []), "no samples")
-
-    def test_time_that_stands_still(self, tmp_path):
-        samples = [({**values, "stamp": 10**9}, log_time) for values, log_time in some_samples()]
-        refused(write_other(tmp_path / "b.mcap", samples), "time does not go on at sample 1")
+    @pytest.mark.parametrize(
+        ("samples", "told"),
+        [
+            ([], "no samples"),
+            (some_samples(current=math.nan, speed=math.nan), "all signals are NaN"),
+            (some_samples(stamp=10**9), "time does not go on at sample 1"),
+        ],
+    )
+    def test_messages_of_which_nothing_can_be_made(self, tmp_path, samples, told):
+        refused(write_other(tmp_path / "b.mcap", samples), told)
 
 
 class TestBounds:

@@ -20,6 +20,13 @@ def test_one_is_named_with_its_column(tmp_path):
     assert table.warnings == (said,) and len(table.columns[0]) == 30
 
 
+def test_those_that_a_block_begins_with_are_the_last_too(tmp_path, monkeypatch):
+    """They were told as the first rows of the text."""
+    monkeypatch.setattr("ema_bench_replay.traces.text_blocks._BLOCK", len(f"t;pos;cur\n{ROWS}"))
+    (said,) = read(tmp_path, "0.30;3.0;NaN\n").warnings
+    assert said.startswith("run.csv: line 32: the last row is left out")
+
+
 @pytest.mark.parametrize("end", ["0.30;3.0;NaN\n", "0.30;3.0;\n", "-1.#IO;x;y\n"])
 @pytest.mark.parametrize("count", [2, 3])
 def test_a_few_are_counted(tmp_path, end, count):
