@@ -5,9 +5,9 @@ import subprocess
 import sys
 import threading
 import time
-from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 
 from ema_bench_replay.errors import InputError
@@ -278,13 +278,13 @@ def _until(condition):
 
 def _computes(pid):
     """Whether a process is at work: with more threads than the one that reads and the one that watches."""
-    return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[17]) > 2
+    return psutil.Process(pid).num_threads() > 2
 
 
 def _runs(pid):
     try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
+        return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
         return False
 
 
