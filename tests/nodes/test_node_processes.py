@@ -7,7 +7,7 @@ from importlib import import_module
 
 import pytest
 from rclpy.duration import Duration
-from ros_graph import ended_well
+from ros_graph import ended_well, figures
 
 from ema_bench_replay.bags.bag_reader import read_bag
 from ema_bench_replay.load import load
