@@ -171,3 +171,4 @@ def test_a_lost_sample_leaves_the_run_incomplete(graph, bench):
     assert math.isnan(healths[-1].rmse.unexplained_torque) or healths[-1].rmse.unexplained_torque >= 0.0
     graph.spin_until(lambda: healths[-1].level == Health.STALE)
     assert monitor.pairing.missing == 2
+    graph.spin_until(lambda: "2 samples of this run were lost; the twin integrated across" in bench.of_twin[1])
