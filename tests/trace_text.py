@@ -18,11 +18,6 @@ ROWS = [
 RPM = 2 * math.pi / 60
 
 
-def refused(path, *words):
-    with refused_in_one_line(path, *words):
-        load(path)
-
-
 def read_text(folder, text, **options):
     """The table in a file of this text, str or bytes, as ``read_table`` reads it with these options."""
     path = folder / "run.csv"
@@ -30,12 +25,17 @@ def read_text(folder, text, **options):
     return read_table(path, **options)
 
 
-def write_map(folder, signals, time="time: {column: t, unit: s}", name="own"):
+def write_map(folder, signals, time="time: {column: t, unit: s}"):
     """Write an import map of these signals, by name in YAML, below lines such as that of the time."""
     lines = "".join(f"  {signal}: {content}\n" for signal, content in signals.items())
-    path = folder / f"{name}.yaml"
+    path = folder / "own.yaml"
     path.write_text(f"version: 1\n{time}\nsignals:\n{lines}")
     return path
+
+
+def refused(path, *words):
+    with refused_in_one_line(path, *words):
+        load(path)
 
 
 def write_columns(place, columns):
