@@ -1,8 +1,11 @@
 """Recordings and bags that tests make, as this project and as other tools write them."""
 
 import math
+from contextlib import contextmanager
 
 import numpy as np
+import yaml
+from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 
 from ema_bench_replay.bags.bag_reader import read_bag
@@ -41,6 +44,17 @@ def assert_same(one, other):
     assert one.metadata == other.metadata and one.warnings == other.warnings
 
 
+def summary_of(path):
+    """The summary of a finished bag's file, as the library reads it."""
+    with path.open("rb") as file:
+        return make_reader(file).get_summary()
+
+
+def listed_in(folder):
+    """The content of a bag's metadata.yaml."""
+    return yaml.safe_load((folder / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+
+
 def refused(path, *words, topic=None):
     with refused_in_one_line(path, *words):
         read_bag(path, topic=topic)
@@ -50,18 +64,31 @@ def write_other(
     path, samples, *, definition=DEFINITION, compression=CompressionType.NONE, chunked=True, topic="/bench/state"
 ):
     """A bag as another tool may write it: one call a message, `samples` of fields and log times."""
-    types, root = parse(definition, STATE)
+    options = {"compression": compression, "use_chunking": chunked, "chunk_size": 4096}
+    with other_writer(path, definition, topic, **options) as (writer, channel):
+        for content, log_time in serialised(samples, definition):
+            writer.add_message(channel, log_time, content, log_time)
+    return path
+
+
+@contextmanager
+def other_writer(path, definition=DEFINITION, topic="/bench/state", **options):
+    """The library's writer of a bag with one topic of states, and the channel of that; it is finished at the end."""
     with path.open("wb") as stream:
-        writer = Writer(stream, compression=compression, use_chunking=chunked, chunk_size=4096)
+        writer = Writer(stream, **options)
         writer.start(profile="ros2")
         schema = writer.register_schema(STATE, "ros2msg", definition.encode())
-        channel = writer.register_channel(topic, "cdr", schema, {"offered_qos_profiles": ""})
-        for values, log_time in samples:
-            stamp = dict(zip(("sec", "nanosec"), divmod(values["stamp"], 10**9), strict=True))
-            header = {"stamp": stamp, "frame_id": values.get("frame_id", "")}
-            writer.add_message(channel, log_time, serialise(types, root, {**values, "header": header}), log_time)
+        yield writer, writer.register_channel(topic, "cdr", schema, {"offered_qos_profiles": ""})
         writer.finish()
-    return path
+
+
+def serialised(samples, definition=DEFINITION):
+    """Samples of fields and log times as messages and log times."""
+    types, root = parse(definition, STATE)
+    for values, log_time in samples:
+        stamp = dict(zip(("sec", "nanosec"), divmod(values["stamp"], 10**9), strict=True))
+        header = {"stamp": stamp, "frame_id": values.get("frame_id", "")}
+        yield serialise(types, root, {**values, "header": header}), log_time
 
 
 def some_samples(count=50, **fields):

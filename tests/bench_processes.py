@@ -13,7 +13,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from ema_bench_replay.nodes import qos
 from ema_bench_replay.nodes.sample_codec import read_state
 from ema_twin_msgs.msg import EmaState, Health
-from tests.ros_graph import Graph, start_process
+from tests.ros_graph import Graph, figures, start_process
 
 READERS = {
     "twin": "ema_twin_sim.nodes.twin",
@@ -169,5 +169,5 @@ class BenchProcesses:
     def _on_diagnostics(self, array: DiagnosticArray) -> None:
         for status in array.status:
             name = status.name.partition(":")[0]
-            self.figures[name] = {value.key: value.value for value in status.values}
+            self.figures[name] = figures(status)
             self.told.append((time.monotonic(), name, status.message))

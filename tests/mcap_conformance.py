@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from itertools import combinations
 
-from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import (
     Attachment,
@@ -26,7 +26,8 @@ from mcap.records import (
     SummaryOffset,
 )
 
-MAGIC = b"\x89MCAP0\r\n"
+from ema_bench_replay.bags.mcap_file import MAGIC, bytes_of
+
 _DATA = b"\x01\x02\x03"
 _EXAMPLE = [Schema(1, b"\x04\x05\x06", "c", "Example"), Channel(1, "example", "a", {"foo": "bar"}, 1)]
 _LOGGED = (0, 2, 1, 3, 3, 5, 4, 7, 8, 9)
@@ -41,6 +42,22 @@ CONTENTS: dict[str, list[McapRecord]] = {
 """Records by the names that the files begin with."""
 _NEVER_PADDED = (Opcode.MESSAGE, Opcode.CHUNK, Opcode.DATA_END, Opcode.FOOTER)
 _PADDING = b"\x01\xff\xff"
+_FEATURE_OF = {Schema: "rsh", Channel: "rch", Attachment: "ax", Metadata: "mdx"}
+"""The feature that puts a kind of record, or its index, into the summary."""
+
+
+def conformance_names(content: str) -> Iterator[str]:
+    """The names of all files of that content."""
+    kinds = {type(record) for record in CONTENTS[content]}
+    in_summary = {"st", *(feature for kind, feature in _FEATURE_OF.items() if kind in kinds)}
+    of_chunks = {"ch", "chx", "mx"} if Message in kinds else set()
+    features = sorted(in_summary | of_chunks | {"pad", "sum"})
+    for count in range(len(features) + 1):
+        for chosen in combinations(features, count):
+            indexes_chunks, gives_offsets = not {"chx", "mx"}.isdisjoint(chosen), "sum" in chosen
+            has_groups = not (in_summary | {"chx"}).isdisjoint(chosen)
+            if ("ch" in chosen or not indexes_chunks) and (has_groups or not gives_offsets):
+                yield "-".join((content, *chosen))
 
 
 def conformance_file(name: str) -> bytes:
@@ -65,7 +82,7 @@ class _File:
 
     def write(self, record: McapRecord) -> int:
         """Append a record; returns its length."""
-        data = _bytes(record)
+        data = bytes_of(record)
         if "pad" in self.features and data[0] not in _NEVER_PADDED:
             content = data[9:] + _PADDING
             data = data[:1] + len(content).to_bytes(8, "little") + content
@@ -98,7 +115,7 @@ class _File:
             if isinstance(record, Message):
                 entries.append((record.log_time, len(data)))
                 times.append(record.log_time)
-            data += _bytes(record)
+            data += bytes_of(record)
         start = len(self.data)
         length = self.write(Chunk("", data, max(times), min(times), zlib.crc32(data), len(data)))
         offsets, index_start = {}, len(self.data)
@@ -142,12 +159,6 @@ class _File:
         offset_start = len(self.data) if "sum" in self.features else 0
         for offset in offsets if "sum" in self.features else ():
             self.write(offset)
-        footer = _bytes(Footer(summary_start, offset_start, 0))
+        footer = bytes_of(Footer(summary_start, offset_start, 0))
         self.write(Footer(summary_start, offset_start, zlib.crc32(self.data[start:] + footer[:-4])))
         self.data += MAGIC
-
-
-def _bytes(record: McapRecord) -> bytes:
-    builder = RecordBuilder()
-    record.write(builder)
-    return builder.end()

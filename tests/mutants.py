@@ -34,7 +34,7 @@ _CRITERIA = _PACKAGE / "discovery" / "criteria"
 _OF_FEW_ROWS = ("tests/discovery/criteria", "tests/identification/test_frozen_problem.py")
 TESTS = {
     "pairing": (_PACKAGE / "live" / "pairing.py", ("tests/live/test_pairing.py",)),
-    "waiting": (_PACKAGE / "nodes" / "waiting_states.py", ("tests/nodes/test_waiting_states.py",)),
+    "waiting": (_PACKAGE / "live" / "waiting.py", ("tests/live/test_waiting.py",)),
     **{
         name: (_CRITERIA / f"{name}.py", _OF_FEW_ROWS)
         for name in ("contradictions", "episodes", "worth", "plausible", "own_shape", "likeness", "explained")

@@ -77,6 +77,11 @@ class Graph:
         rclpy.try_shutdown(context=self.context)
 
 
+def figures(status):
+    """The figures of a node's report, by their names."""
+    return {value.key: value.value for value in status.values}
+
+
 def source_of(condition):
     """The lines that a condition is written in; what is not written in Python stands for itself."""
     try:

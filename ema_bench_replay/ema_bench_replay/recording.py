@@ -41,6 +41,9 @@ LACKED = "_lacked"
 #: Key of a recording's metadata: the test (a day, a mounting) that the run belongs to.
 TEST = "test"
 
+#: Fields of a recording: reading of each encoder at its position's zero, rad.
+ANGLE_ORIGINS = ("motor_angle_origin", "output_angle_origin")
+
 #: Keys of a recording's metadata: the kind of motion ("linear"; rotary if absent), and "yes" if its samples are
 #: operating points.
 MOTION = "motion"
@@ -139,6 +142,11 @@ class Recording:
         return tuple(
             Gap(float(time), float(step), round(step / period) - 1) for time, step in zip(times, steps, strict=True)
         )
+
+    @property
+    def origins(self) -> dict[str, float]:
+        """Both angle origins by their names."""
+        return {name: float(getattr(self, name)) for name in ANGLE_ORIGINS}
 
     @property
     def drive(self) -> str | None:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import zstandard
-from mcap.writer import CompressionType, Writer
+from mcap.writer import CompressionType
 
 from ema_bench_replay.bags.bag_writer import write_mcap
 from ema_bench_replay.bags.cdr import parse, serialise
@@ -28,7 +28,7 @@ from ema_twin_sim.own_effects.effect_file import _read
 from ema_twin_sim.own_effects.table import checked_table
 from ema_twin_sim.simulation.command import parse_command, write_command
 
-from ..bags import DEFINITION, STATE, a_recording, some_samples
+from ..bags import DEFINITION, STATE, a_recording, other_writer, serialised, some_samples
 from .mutations import Mutation, of_bytes, of_mcap, of_text
 
 ROOT = Path(__file__).parents[2]
@@ -70,22 +70,15 @@ def _bags(compression: CompressionType) -> Callable[[Path], list[bytes]]:
         if compression is CompressionType.ZSTD:
             write_mcap(a_recording(60), folder / "own.mcap")
             made.append((folder / "own.mcap").read_bytes())
-        types, root = parse(DEFINITION, STATE)
         packings = [bytes, zstandard.ZstdCompressor().compress] if compression is CompressionType.ZSTD else [bytes]
         for chunked, pack in itertools.product((True, False), packings):
             path = folder / "other.mcap"
-            with path.open("wb") as stream:
-                writer = Writer(stream, compression=compression, use_chunking=chunked, chunk_size=2048)
-                writer.start(profile="ros2")
-                schema = writer.register_schema(STATE, "ros2msg", DEFINITION.encode())
-                channel = writer.register_channel("/bench/state", "cdr", schema, {"offered_qos_profiles": ""})
-                for values, logged in some_samples(20):
-                    stamp = dict(zip(("sec", "nanosec"), divmod(values["stamp"], 10**9), strict=True))
-                    message = serialise(types, root, {**values, "header": {"stamp": stamp, "frame_id": ""}})
+            options = {"compression": compression, "use_chunking": chunked, "chunk_size": 2048}
+            with other_writer(path, **options) as (writer, channel):
+                for message, logged in serialised(some_samples(20)):
                     writer.add_message(channel, logged, pack(message), logged)
                 writer.add_metadata("note", {"a": "b"})
                 writer.add_attachment(1, 2, "a.txt", "text/plain", b"a")
-                writer.finish()
             made.append(path.read_bytes())
         return made
 

@@ -10,14 +10,15 @@ from io import BytesIO
 
 import lz4.frame
 import zstandard
-from mcap.data_stream import ReadDataStream, RecordBuilder
+from mcap.data_stream import ReadDataStream
 from mcap.records import Chunk
+
+from ema_bench_replay.bags.mcap_file import MAGIC, bytes_of
 
 Mutation = Callable[[bytes, random.Random], bytes]
 
 LONGEST = 1 << 17
 """Bytes of an input: more is but slower."""
-MAGIC = b"\x89MCAP0\r\n"
 _CHUNK = 6
 _RECORD = struct.Struct("<BQ")
 _PACKED = {
@@ -148,6 +149,4 @@ def _chunk(content: bytes, chance: random.Random) -> bytes:
     chunk.uncompressed_size, chunk.uncompressed_crc = len(data), zlib.crc32(data)
     if chance.random() < 0.1:
         chunk.uncompressed_size = chance.choice(_INTEGERS)
-    builder = RecordBuilder()
-    chunk.write(builder)
-    return builder.end()[_RECORD.size :]
+    return bytes_of(chunk)[_RECORD.size :]

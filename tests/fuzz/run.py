@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from .kinds import KINDS
-from .worker import _HEAD
+from .worker import _HEAD, COUNTS
 
 PATIENCE = 30.0
 """s of the processor's time without a new input after which a process is ended: a busy machine may keep it waiting."""
@@ -35,20 +35,12 @@ _interrupted = threading.Event()
 
 def read_inputs(name: str, folder: Path, inputs: int, seed: int, guided: bool = False) -> dict[str, Any]:
     """What became of so many inputs of one kind; a process that they end is followed by another, with another seed."""
-    total: dict[str, Any] = {
-        "inputs": 0,
-        "refused": 0,
-        "read": 0,
-        "not run": 0,
-        "faults": {},
-        "longest": 0.0,
-        "peak": 0,
-    }
+    total = _nothing(0, {})
     while total["inputs"] < inputs and len(total["faults"]) < 20 and not _interrupted.is_set():
         place = folder / f"{name}_{seed}".replace(" ", "_")
         place.mkdir(parents=True, exist_ok=True)
         found = _process(name, place, inputs - total["inputs"], seed, guided)
-        for count in ("inputs", "refused", "read", "not run"):
+        for count in COUNTS:
             total[count] += found[count]
         total["faults"] |= found["faults"]
         for most in ("longest", "peak"):
@@ -104,8 +96,12 @@ def _ended(folder: Path, status: int) -> dict[str, Any]:
     file = folder / "ended_by"
     file.write_bytes(data[_HEAD.size : _HEAD.size + length])
     what = f"takes longer than {PATIENCE:.0f} s" if status == -signal.SIGKILL else f"ends the process ({status})"
-    fault = {what: str(file)}
-    return {"inputs": inputs, "refused": 0, "read": 0, "not run": 0, "faults": fault, "longest": 0.0, "peak": 0}
+    return _nothing(inputs, {what: str(file)})
+
+
+def _nothing(inputs: int, faults: dict[str, str]) -> dict[str, Any]:
+    """A report of so many inputs of which nothing else is known."""
+    return {**dict.fromkeys(COUNTS, 0), "inputs": inputs, "faults": faults, "longest": 0.0, "peak": 0}
 
 
 def main() -> int:
@@ -127,7 +123,7 @@ def main() -> int:
         try:
             for name, result in results.items():
                 found = result.result()
-                cells = "  ".join(f"{found[count]:7}" for count in ("inputs", "refused", "read", "not run"))
+                cells = "  ".join(f"{found[count]:7}" for count in COUNTS)
                 print(
                     f"{name:10} {cells}  {len(found['faults']):6}  {found['longest']:11.2f}  {found['peak'] >> 20:10}",
                     flush=True,

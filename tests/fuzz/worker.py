@@ -26,6 +26,8 @@ LARGEST = 512 << 20
 """Bytes that the process may have in memory."""
 LONGEST_LINE = 300  # beside the file's name
 _ROOM = 1 << 30  # bytes, so that the machine survives what breaks the promise
+COUNTS = ("inputs", "refused", "read", "not run")
+"""What is counted of the inputs."""
 _HEAD = struct.Struct("<QQ")  # inputs begun, and the length of the one that is being read
 _GUIDING = ["ema_bench_replay"]  # the readers; numba would compile what is counted in the twin's package
 _KEPT = 400  # inputs with a new outcome, as examples for more
@@ -49,7 +51,7 @@ class Worker:
             file.truncate(_HEAD.size + 2 * LONGEST)
             self.now = mmap.mmap(file.fileno(), 0)
         self.outcomes: set[str] = set()
-        self.counts = dict.fromkeys(("inputs", "refused", "read", "not run"), 0)
+        self.counts = dict.fromkeys(COUNTS, 0)
         self.faults: dict[str, str] = {}
         self.longest = 0.0
 

@@ -5,20 +5,20 @@ import subprocess
 import sys
 import threading
 import time
-from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.nodes.sample_codec import FIELDS, State
+from ema_bench_replay.nodes.sample_codec import FIELDS
 from ema_bench_replay.recording import Recording
+from ema_bench_replay.sample import State
 from ema_twin_sim.live.diagnosing.apply import settings_for
 from ema_twin_sim.live.diagnosing.frames import Answer, Job, receive_answer, receive_job, send
 from ema_twin_sim.live.diagnosing.judge import settings_between, still_missing
 from ema_twin_sim.live.diagnosing.worker_process import WorkerProcess
 from ema_twin_sim.live.trend import Trend
-from ema_twin_sim.model import load_model
 from ema_twin_sim.nodes.diagnosing.answer import diagnosis_message
 from ema_twin_sim.nodes.diagnosing.history import ENOUGH, History
 from tests.judged_effects import BOTH, OF_BOTH, entry, judged
@@ -26,18 +26,24 @@ from tests.judged_effects import BOTH, OF_BOTH, entry, judged
 PERIOD = 2_000_000
 
 
-def state(run, k, start=5_000_000_000):
+def state(run, k):
     signals = dict.fromkeys(FIELDS, np.nan)
     signals |= {"current": 0.1 * k, "output_position": 1.0 + k, "output_command": 2.0 + k, "output_angle_origin": 0.5}
-    return State(run, k, start + k * PERIOD, signals)
+    return State(run, k, 5_000_000_000 + k * PERIOD, signals)
+
+
+def held(capacity, *lengths):
+    """A history of runs of these lengths."""
+    history = History(capacity)
+    for number, length in enumerate(lengths, start=1):
+        for k in range(length):
+            history.add(number, state(number, k))
+    return history
 
 
 class TestHistory:
     def test_a_window_is_the_last_seconds_with_positions_from_zero(self):
-        history = History(100_000)
-        for k in range(10_000):
-            history.add(1, state(7, k))
-        (recording,) = history.recordings(4.0, "bench")
+        (recording,) = held(100_000, 10_000).recordings(4.0, "bench")
         assert recording.duration == pytest.approx(4.0, abs=0.0)
         assert set(recording.signals) == {"current", "output_position", "output_command"}
         assert recording.signals["current"][-1] == pytest.approx(999.9)
@@ -48,33 +54,19 @@ class TestHistory:
         assert recording.start == 5_000_000_000 + first * PERIOD
 
     def test_memory_is_bounded_and_holds_the_newest(self):
-        history = History(5000)
-        for k in range(12_345):
-            history.add(1, state(7, k))
-        (recording,) = history.recordings(0.0, "bench")
+        (recording,) = held(5000, 12_345).recordings(0.0, "bench")
         assert len(recording) == 5000
         assert recording.signals["current"] == pytest.approx(0.1 * np.arange(7345, 12_345))
 
     def test_a_window_reaches_into_earlier_runs(self):
-        history = History(100_000)
-        for number in (1, 2, 3):
-            for k in range(2001):
-                history.add(number, state(number, k))
-        recordings = history.recordings(6.0, "bench")
+        recordings = held(100_000, 2001, 2001, 2001).recordings(6.0, "bench")
         assert [recording.duration for recording in recordings] == pytest.approx([2.0, 4.0])
         assert [recording.name for recording in recordings] == ["bench, run 2", "bench, run 3"]
 
     def test_without_a_window_it_is_the_run_and_enough_before_it(self):
-        history = History(100_000)
-        for number, length in ((1, 6001), (2, 6001), (3, 1001)):
-            for k in range(length):
-                history.add(number, state(number, k))
-        assert [recording.duration for recording in history.recordings(0.0, "b")] == pytest.approx([12.0, 12.0, 2.0])
-        long = History(100_000)
-        for number, length in ((1, 6001), (2, round(ENOUGH / 2e-3) + 10)):
-            for k in range(length):
-                long.add(number, state(number, k))
-        assert len(long.recordings(0.0, "b")) == 1
+        recordings = held(100_000, 6001, 6001, 1001).recordings(0.0, "b")
+        assert [recording.duration for recording in recordings] == pytest.approx([12.0, 12.0, 2.0])
+        assert len(held(100_000, 6001, round(ENOUGH / 2e-3) + 10).recordings(0.0, "b")) == 1
 
     def test_nothing_compared_is_refused(self):
         with pytest.raises(InputError, match="no sample was compared yet"):
@@ -82,18 +74,12 @@ class TestHistory:
 
 
 def test_jobs_and_answers_come_back_as_they_were_sent():
-    recording = Recording(
-        "a run",
-        np.arange(5) * PERIOD,
-        {"current": np.array([0.0, np.nan, 1.0, 2.0, 3.0])},
-        7,
-        0.25,
-        np.nan,
-        {"map": "x"},
-    )
+    signals = {"current": np.array([0.0, np.nan, 1.0, 2.0, 3.0])}
+    recording = Recording("a run", np.arange(5) * PERIOD, signals, 7, 0.25, np.nan, {"map": "x"})
+    sent = Answer({"verdict": "none", "none": 1.0}, [{"effect": "backlash"}], {"effects.backlash.enabled": True})
     stream = io.BytesIO()
     send(stream, Job("m.yaml", "b.yaml", ("own.py",), (recording, recording)))
-    send(stream, Answer({"verdict": "none", "none": 1.0}, [{"effect": "backlash"}], {"effects.backlash.enabled": True}))
+    send(stream, sent)
     stream.seek(0)
     job = receive_job(stream)
     assert (job.model, job.base, job.effect_files) == ("m.yaml", "b.yaml", ("own.py",))
@@ -102,10 +88,7 @@ def test_jobs_and_answers_come_back_as_they_were_sent():
         assert np.isnan(read.output_angle_origin)
         np.testing.assert_array_equal(read.stamps, recording.stamps)
         np.testing.assert_array_equal(read.signals["current"], recording.signals["current"])
-    answer = receive_answer(stream)
-    assert answer == Answer(
-        {"verdict": "none", "none": 1.0}, [{"effect": "backlash"}], {"effects.backlash.enabled": True}
-    )
+    assert receive_answer(stream) == sent
     assert receive_job(stream) is None
     torn = io.BytesIO(stream.getvalue()[:300])
     assert receive_job(torn) is None
@@ -177,8 +160,8 @@ class TestWhatToSet:
         with pytest.raises(InputError, match=r"found nothing to add .*none"):
             settings_for(Answer(judged(verdict="none", none=1.0)), [])
 
-    def test_settings_make_of_one_model_the_other(self):
-        before = load_model("polito_bench")
+    def test_settings_make_of_one_model_the_other(self, stock):
+        before = stock
         after = before.with_effect("backlash", {"width": 0.003}).with_effect("cogging", options={"order": "12"})
         after = after.with_value("machine.motor_inertia", 8e-4)
         running = before.with_effect("backlash", enabled=False).with_effect("cogging", enabled=False)
@@ -210,9 +193,8 @@ class TestTrend:
         for run in range(3):
             for k in range(1000):
                 elapsed = 0.1 * k
-                trend.add(
-                    elapsed, {"current": 0.01, "speed": 2.0 * noise[k] * (1.0 + (100.0 * run + elapsed) / 1800.0)}
-                )
+                error = 2.0 * noise[k] * (1.0 + (100.0 * run + elapsed) / 1800.0)
+                trend.add(elapsed, {"current": 0.01, "speed": error})
         name, share = trend.growing()
         assert name == "speed"
         assert share == pytest.approx(2.0 / 1.08, rel=0.1)  # of its mean in an hour
@@ -234,16 +216,15 @@ class TestTrend:
 
 
 @pytest.mark.slow
-def test_the_process_judges_and_is_asked_again(recording):
-    model = load_model("polito_bench")
+def test_the_process_judges_and_is_asked_again(recording, stock):
     worker = WorkerProcess()
     try:
-        answer = worker.ask([recording.between(0.0, 0.5)], model, model)
+        answer = worker.ask([recording.between(0.0, 0.5)], stock, stock)
         assert answer.diagnosis is None and "of motion faster than" in answer.refusal  # too short: refused, not failed
         process = worker.start()
         process.kill()
         process.wait()
-        assert worker.ask([recording.between(0.0, 0.5)], model, model).refusal == answer.refusal
+        assert worker.ask([recording.between(0.0, 0.5)], stock, stock).refusal == answer.refusal
         assert worker.start() is not process
     finally:
         worker.close()
@@ -251,13 +232,12 @@ def test_the_process_judges_and_is_asked_again(recording):
         worker.start()
 
 
-def test_closing_ends_a_diagnosis_that_is_being_made(recording):
-    model, refused = load_model("polito_bench"), []
-    worker = WorkerProcess()
+def test_closing_ends_a_diagnosis_that_is_being_made(recording, stock):
+    worker, refused = WorkerProcess(), []
 
     def ask():
         try:
-            worker.ask([recording] * 8, model, model)
+            worker.ask([recording] * 8, stock, stock)
         except InputError as error:
             refused.append(str(error))
 
@@ -298,13 +278,13 @@ def _until(condition):
 
 def _computes(pid):
     """Whether a process is at work: with more threads than the one that reads and the one that watches."""
-    return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[17]) > 2
+    return psutil.Process(pid).num_threads() > 2
 
 
 def _runs(pid):
     try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
+        return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
         return False
 
 

@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.load import load
-from ema_bench_replay.recording import SIGNALS
+from ema_bench_replay.sample import VALUES
 from ema_twin_sim.live.follower import Follower
 from ema_twin_sim.live.sample_stream import Kind
-from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.simulate import simulate
 
-UNKNOWN = dict.fromkeys((*SIGNALS, "motor_angle_origin", "output_angle_origin"), math.nan)
+UNKNOWN = dict.fromkeys(VALUES, math.nan)
 
 
 @pytest.fixture(scope="module")
@@ -20,19 +19,10 @@ def recording(traces):
     return load(next(path for path in traces if "triangle" in path.name)).between(0.0, 2.0)
 
 
-@pytest.fixture(scope="module")
-def model():
-    return load_model("polito_bench")
-
-
 def samples(recording):
-    origins = {
-        "motor_angle_origin": recording.motor_angle_origin,
-        "output_angle_origin": recording.output_angle_origin,
-    }
     for index in range(len(recording)):
         values = {name: column.item(index) for name, column in recording.signals.items()}
-        yield index, recording.start + int(recording.stamps[index]), UNKNOWN | values | origins
+        yield index, recording.start + int(recording.stamps[index]), UNKNOWN | values | recording.origins
 
 
 def follow(follower, recording, run=1):
@@ -41,23 +31,23 @@ def follow(follower, recording, run=1):
 
 
 @pytest.mark.parametrize("source", ["setpoint", "current"])
-def test_equals_the_offline_simulation(recording, model, source):
-    offline = simulate(model, recording, source)
-    followed = follow(Follower(model, source), recording)
+def test_equals_the_offline_simulation(recording, stock, source):
+    offline = simulate(stock, recording, source)
+    followed = follow(Follower(stock, source), recording)
     for name, values in offline.signals.items():
         np.testing.assert_array_equal(followed[name], values, err_msg=name)
 
 
-def test_a_second_run_gives_the_same(recording, model):
-    follower = Follower(model)
+def test_a_second_run_gives_the_same(recording, stock):
+    follower = Follower(stock)
     first = follow(follower, recording)
     second = follow(follower, recording, run=2)
     np.testing.assert_array_equal(first["current"], second["current"])
     assert (follower.stream.runs, follower.answered) == (2, 2 * len(recording))
 
 
-def test_auto_takes_the_setpoint_where_there_is_one(recording, model):
-    follower = Follower(model)
+def test_auto_takes_the_setpoint_where_there_is_one(recording, stock):
+    follower = Follower(stock)
     follow(follower, recording.between(0.0, 0.1))
     assert follower.input == "setpoint"
     sample = next(samples(recording))[2] | {"speed_setpoint": math.nan}
@@ -65,8 +55,8 @@ def test_auto_takes_the_setpoint_where_there_is_one(recording, model):
     assert follower.input == "current"
 
 
-def test_a_bench_without_the_driving_signal_is_a_problem_until_it_comes(recording, model):
-    follower = Follower(model, "setpoint")
+def test_a_bench_without_the_driving_signal_is_a_problem_until_it_comes(recording, stock):
+    follower = Follower(stock, "setpoint")
     mute = next(samples(recording))[2] | {"speed_setpoint": math.nan}
     assert follower.answer(1, 0, 1, mute) is None
     assert "speed_setpoint" in follower.problem
@@ -74,11 +64,11 @@ def test_a_bench_without_the_driving_signal_is_a_problem_until_it_comes(recordin
     assert follower.problem == ""
 
 
-def test_positions_may_begin_anywhere(recording, model):
+def test_positions_may_begin_anywhere(recording, stock):
     part = recording.between(0.0, 0.5)
-    at_zero = follow(Follower(model), part)
+    at_zero = follow(Follower(stock), part)
     shift = {"motor_position": 1000.0, "output_position": 8.0}
-    follower = Follower(model)
+    follower = Follower(stock)
     for index, stamp, sample in samples(part):
         answer = follower.answer(1, index, stamp, sample | {name: sample[name] + by for name, by in shift.items()})
     for name, by in shift.items():
@@ -86,9 +76,9 @@ def test_positions_may_begin_anywhere(recording, model):
     assert answer["current"] == pytest.approx(at_zero["current"][-1], abs=1e-9)
 
 
-def test_a_gap_is_integrated_across(recording, model):
-    whole = follow(Follower(model, "current"), recording)
-    follower = Follower(model, "current")
+def test_a_gap_is_integrated_across(recording, stock):
+    whole = follow(Follower(stock, "current"), recording)
+    follower = Follower(stock, "current")
     for index, stamp, sample in samples(recording):
         if not 300 <= index < 310:
             answer = follower.answer(1, index, stamp, sample)
@@ -96,8 +86,8 @@ def test_a_gap_is_integrated_across(recording, model):
     assert answer["motor_position"] == pytest.approx(whole["motor_position"][-1], abs=0.05)
 
 
-def test_what_is_left_out_is_not_answered(recording, model):
-    follower = Follower(model)
+def test_what_is_left_out_is_not_answered(recording, stock):
+    follower = Follower(stock)
     first, second = [entry for entry, _ in zip(samples(recording), range(2), strict=False)]
     assert follower.answer(1, *first) is not None
     assert follower.answer(1, *second) is not None
@@ -105,8 +95,8 @@ def test_what_is_left_out_is_not_answered(recording, model):
     assert follower.stream.accept(1, *second[:2]) is Kind.LEFT_OUT
 
 
-def test_a_parameter_acts_on_the_next_sample(recording, model):
-    plain, changed = Follower(model), Follower(model)
+def test_a_parameter_acts_on_the_next_sample(recording, stock):
+    plain, changed = Follower(stock), Follower(stock)
     for index, stamp, sample in samples(recording.between(0.0, 0.2)):
         if index == 50:
             changed.twin.change({"effects.stribeck_friction.enabled": True})

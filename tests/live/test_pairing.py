@@ -1,25 +1,18 @@
 """Bench and twin samples find each other by run and sequence, whichever comes first."""
 
-from functools import partial
-from typing import NamedTuple
+import math
 
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ema_bench_replay.sample import VALUES, State
 from ema_twin_sim.live.pairing import Pairing
-from ema_twin_sim.live.waiting import WaitingObjects
 
 PERIOD = 2_000_000
 
 
-class Sample(NamedTuple):
-    run: int
-    sequence: int
-    stamp: int
-
-
 def sample(run, sequence):
-    return Sample(run, sequence, 1 + sequence * PERIOD)
+    return State(run, sequence, 1 + sequence * PERIOD, dict.fromkeys(VALUES, math.nan))
 
 
 def bench(pairing, *sequences, run=1):
@@ -191,7 +184,7 @@ def test_duplicates_are_compared_once():
 
 
 def test_memory_is_bounded():
-    pairing = Pairing(partial(WaitingObjects, 10))
+    pairing = Pairing(10)
     bench(pairing, *range(1000))
     assert pairing.waiting == 10
     assert twin(pairing, *range(985, 1000)) == [None] * 5 + list(range(990, 1000))

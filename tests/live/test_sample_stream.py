@@ -1,5 +1,8 @@
 """The stated rule for samples that are lost, late, repeated or step back."""
 
+from collections.abc import Iterable
+from dataclasses import dataclass
+
 import pytest
 
 from ema_twin_sim.live.sample_stream import REORDERED, Kind, SampleStream
@@ -11,16 +14,58 @@ def accept(stream, sequences, run=1, offset=0):
     return [stream.accept(run, n, (n + offset) * PERIOD + 1) for n in sequences]
 
 
-def test_samples_in_order_are_taken():
-    stream = SampleStream()
-    assert accept(stream, [0, 1, 2]) == [Kind.FIRST, Kind.NEXT, Kind.NEXT]
-    assert (stream.received, stream.lost, stream.runs) == (3, 0, 1)
+@dataclass(frozen=True)
+class Case:
+    """Samples of a run before, those that are judged, and what is counted in all; other counts are 0."""
+
+    before: Iterable[int]
+    sequences: Iterable[int]
+    kinds: str  # first letter of each
+    run: int = 1
+    offset: int = 0  # periods by which stamps are later than their numbers say
+    late: int = 0
+    duplicate: int = 0
+    backward: int = 0
+    stray: int = 0
+    lost: int = 0
+    runs: int = 1
 
 
-def test_a_gap_is_counted_and_crossed():
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(Case((), [0, 1, 2], "FNN"), id="in order"),
+        pytest.param(Case((), [0, 1, 5, 6], "FNNN", lost=3), id="a gap"),
+        pytest.param(Case((), [0, 1, 3, 2, 4], "FNNLN", late=1, lost=1), id="late"),
+        pytest.param(Case((), [0, 1, 1, 2, 1, 3], "FNLNLN", duplicate=2), id="duplicates"),
+        pytest.param(Case(range(5), [0, 1], "FN", run=2, runs=2), id="another run"),
+        pytest.param(Case(range(REORDERED + 5), [2, 3, 4], "LFN", backward=1, runs=2), id="a step back"),
+        pytest.param(Case(range(4), range(4), "FNNN", backward=1, runs=2), id="a bag that loops, however short"),
+        pytest.param(
+            Case(range(100), [100, 101], "LF", offset=-50, backward=1, runs=2), id="time back, with growing numbers"
+        ),
+        # its numbers go on where its clock has moved: the first of them is left out
+        pytest.param(Case(range(50), [50, 51, 52], "LNN", offset=10_000, lost=1), id="a bench that pauses"),
+        pytest.param(Case(range(50), [1_800_000, 1_800_001], "NN", lost=1_799_950), id="a bench that lost an hour"),
+        pytest.param(Case(range(3), [3], "L", offset=-1, duplicate=1), id="time that stands still"),
+    ],
+)
+def test_what_a_sample_is_and_what_is_counted(case):
     stream = SampleStream()
-    assert accept(stream, [0, 1, 5, 6]) == [Kind.FIRST, Kind.NEXT, Kind.NEXT, Kind.NEXT]
-    assert stream.lost == 3
+    accept(stream, case.before)
+    found = accept(stream, case.sequences, case.run, case.offset)
+    assert "".join(kind.name[0] for kind in found) == case.kinds
+    counted = ("late", "duplicate", "backward", "stray", "lost", "runs")
+    assert {name: getattr(stream, name) for name in counted} == {name: getattr(case, name) for name in counted}
+    assert stream.run == case.run
+
+
+def test_a_run_counts_what_it_received():
+    stream = SampleStream()
+    accept(stream, range(5))
+    assert stream.received == 5
+    accept(stream, [0, 1], run=2)
+    assert stream.received == 2
 
 
 def test_samples_before_the_first_were_not_seen_unless_a_late_start_is_meant():
@@ -31,53 +76,6 @@ def test_samples_before_the_first_were_not_seen_unless_a_late_start_is_meant():
     stream = SampleStream(from_start=False)
     accept(stream, [7, 8])
     assert (stream.unseen, stream.lost, stream.first) == (0, 0, 7)
-
-
-def test_a_late_sample_is_left_out():
-    stream = SampleStream()
-    assert accept(stream, [0, 1, 3, 2, 4]) == [Kind.FIRST, Kind.NEXT, Kind.NEXT, Kind.LEFT_OUT, Kind.NEXT]
-    assert (stream.late, stream.duplicate, stream.backward, stream.lost) == (1, 0, 0, 1)
-
-
-def test_a_duplicate_is_left_out():
-    stream = SampleStream()
-    assert accept(stream, [0, 1, 1, 2, 1, 3]) == [
-        Kind.FIRST,
-        Kind.NEXT,
-        Kind.LEFT_OUT,
-        Kind.NEXT,
-        Kind.LEFT_OUT,
-        Kind.NEXT,
-    ]
-    assert (stream.duplicate, stream.late, stream.lost) == (2, 0, 0)
-
-
-def test_another_run_starts_again():
-    stream = SampleStream()
-    accept(stream, range(5))
-    assert accept(stream, [0, 1], run=2) == [Kind.FIRST, Kind.NEXT]
-    assert (stream.run, stream.received, stream.runs, stream.backward) == (2, 2, 2, 0)
-
-
-def test_a_step_back_starts_again():
-    stream = SampleStream()
-    accept(stream, range(REORDERED + 5))
-    assert accept(stream, [2, 3, 4]) == [Kind.LEFT_OUT, Kind.FIRST, Kind.NEXT]
-    assert (stream.backward, stream.runs, stream.stray) == (1, 2, 0)
-
-
-def test_a_bag_that_loops_starts_again_however_short():
-    stream = SampleStream()
-    accept(stream, range(4))
-    assert accept(stream, range(4)) == [Kind.FIRST, Kind.NEXT, Kind.NEXT, Kind.NEXT]
-    assert stream.backward == 1
-
-
-def test_time_that_goes_back_under_a_growing_sequence_starts_again():
-    stream = SampleStream()
-    accept(stream, range(100))
-    assert accept(stream, [100, 101], offset=-50) == [Kind.LEFT_OUT, Kind.FIRST]
-    assert stream.backward == 1
 
 
 @pytest.mark.parametrize(
@@ -98,20 +96,6 @@ def test_one_sample_with_a_wrong_stamp_or_number_changes_nothing(sample):
     assert (stream.stray, stream.backward, stream.runs, stream.lost) == (1, 0, 1, 1)
 
 
-def test_a_bench_that_pauses_goes_on():
-    """Its numbers go on where its clock has moved: the first of them is left out."""
-    stream = SampleStream()
-    accept(stream, range(50))
-    assert accept(stream, [50, 51, 52], offset=10_000) == [Kind.LEFT_OUT, Kind.NEXT, Kind.NEXT]
-    assert (stream.stray, stream.runs, stream.lost) == (0, 1, 1)
-
-
-def test_a_bench_that_lost_an_hour_goes_on_at_once():
-    stream = SampleStream()
-    accept(stream, range(50))
-    assert accept(stream, [1_800_000, 1_800_001]) == [Kind.NEXT, Kind.NEXT]
-
-
 def test_strays_in_a_row_are_counted_each():
     stream = SampleStream()
     accept(stream, range(50))
@@ -119,9 +103,3 @@ def test_strays_in_a_row_are_counted_each():
         assert stream.accept(1, sequence, stamp) is Kind.LEFT_OUT
     assert accept(stream, [53, 54]) == [Kind.NEXT, Kind.NEXT]
     assert (stream.stray, stream.runs) == (3, 1)
-
-
-def test_time_that_stands_still_is_left_out():
-    stream = SampleStream()
-    accept(stream, range(3))
-    assert accept(stream, [3], offset=-1) == [Kind.LEFT_OUT]

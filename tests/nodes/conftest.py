@@ -3,6 +3,14 @@
 import pytest
 
 from ema_bench_replay.nodes.loopback import PROFILES, RANGE
+from tests.ros_graph import starter
+
+
+@pytest.fixture
+def start():
+    """Starts nodes in processes of their own, which end with the test."""
+    with starter() as start:
+        yield start
 
 
 @pytest.fixture

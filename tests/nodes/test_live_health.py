@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from ros_graph import Graph
+from ros_graph import figures
 
 from ema_bench_replay.bags.bag_writer import write_mcap
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.nodes import qos
+from ema_bench_replay.nodes.played_run import PlayedRun
 from ema_bench_replay.nodes.sample_codec import write_state
 from ema_twin_msgs.msg import EmaState
 from ema_twin_sim.campaign.healthy import Healthy
@@ -129,39 +130,31 @@ def test_results_that_tell_nothing_of_it_are_refused(unit, name, healthy, reason
         UnitWatch.opened(unit / "results", name, healthy)
 
 
-def test_the_monitor_publishes_the_units_health(unit):
-    graph = Graph()
-    try:
-        monitor = graph.add(
-            MonitorNode, services=False, results=str(unit / "results"), unit="EMA", healthy="test [0-5]/"
-        )
-        node = graph.plain_node()
-        publishers = [node.create_publisher(EmaState, f"{side}/state", qos.STATE) for side in ("bench", "twin")]
-        told = []
-        node.create_subscription(DiagnosticArray, "/diagnostics", lambda array: told.extend(array.status), 10)
-        graph.spin_until(lambda: all(p.get_subscription_count() for p in publishers))
-        for run, test in ((1, 6), (2, 0)):
-            recording = load(unit / "runs" / "EMA" / f"test {test}" / "0.mcap")
-            names = [name for name in recording.signals if name != "unexplained_torque"]
-            rows = zip(*(recording.signals[name].tolist() for name in names), strict=True)
-            compared = monitor.pairing.compared
-            for k, (stamp, row) in enumerate(zip(recording.stamps.tolist(), rows, strict=True)):
-                for publisher in publishers:
-                    publisher.publish(write_state(stamp + 10**9, run, k, dict(zip(names, row, strict=True))))
-                if k % 50 == 0:
-                    graph.spin_for(0.002)
-            if run == 1:
-                graph.spin_until(lambda sent=k, was=compared: monitor.pairing.compared - was > sent)
+def test_the_monitor_publishes_the_units_health(graph, unit):
+    monitor = graph.add(MonitorNode, services=False, results=str(unit / "results"), unit="EMA", healthy="test [0-5]/")
+    node = graph.plain_node()
+    publishers = [node.create_publisher(EmaState, f"{side}/state", qos.STATE) for side in ("bench", "twin")]
+    told = []
+    node.create_subscription(DiagnosticArray, "/diagnostics", lambda array: told.extend(array.status), 10)
+    graph.spin_until(lambda: all(p.get_subscription_count() for p in publishers))
+    for run, test in ((1, 6), (2, 0)):
+        played = PlayedRun(load(unit / "runs" / "EMA" / f"test {test}" / "0.mcap"), 0, run)
+        for k in range(len(played.part)):
+            stamp, sequence, signals = played.sample(k)
+            for publisher in publishers:
+                publisher.publish(write_state(stamp, run, sequence, signals))
+            if k % 50 == 0:
+                graph.spin_for(0.002)
+        if run == 1:
+            graph.spin_until(lambda sent=k + 1: monitor.pairing.compared == sent)
 
-        def of_unit():
-            return [status for status in told if "health of the unit" in status.name]
+    def off():
+        return [s for s in told if "health of the unit" in s.name and s.level == DiagnosticStatus.WARN]
 
-        graph.spin_until(lambda: any(status.level == DiagnosticStatus.WARN for status in of_unit()))
-        status = next(status for status in of_unit() if status.level == DiagnosticStatus.WARN)
-        assert status.hardware_id == "EMA" and "effort in steady motion" in status.message
-        assert float({v.key: v.value for v in status.values}["distance, in times of the limit's"]) > 1.0
-    finally:
-        graph.close()
+    graph.spin_until(off)
+    status = off()[0]
+    assert status.hardware_id == "EMA" and "effort in steady motion" in status.message
+    assert float(figures(status)["distance, in times of the limit's"]) > 1.0
 
 
 def test_live_hands_its_options_to_the_monitor(tmp_path):

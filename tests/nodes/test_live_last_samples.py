@@ -39,29 +39,16 @@ def test_a_replay_that_ends_before_the_first_look_around(short, monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_twin_that_takes_longer_than_the_patience(short, monkeypatch):
-    with_patience(monkeypatch, 0.2)
+@pytest.mark.parametrize(("patience", "each", "last"), [(0.2, 0.01, 0.01), (0.5, 0.0, 2.0)], ids=["all", "one call"])
+def test_a_twin_that_takes_longer_than_the_patience(short, monkeypatch, patience, each, last):
+    with_patience(monkeypatch, patience)
     answer = Follower.answer
 
-    def slowly(self, *sample):
-        time.sleep(0.01)
-        return answer(self, *sample)
-
-    monkeypatch.setattr(Follower, "answer", slowly)
-    assert_whole(ended(short), short)
-
-
-@pytest.mark.slow
-def test_one_call_that_takes_longer_than_the_patience(short, monkeypatch):
-    with_patience(monkeypatch, 0.5)
-    answer = Follower.answer
-
-    def stalled(self, run, sequence, *sample):
-        if sequence == len(short) - 1:
-            time.sleep(2.0)
+    def slowly(self, run, sequence, *sample):
+        time.sleep(last if sequence == len(short) - 1 else each)
         return answer(self, run, sequence, *sample)
 
-    monkeypatch.setattr(Follower, "answer", stalled)
+    monkeypatch.setattr(Follower, "answer", slowly)
     assert_whole(ended(short), short)
 
 

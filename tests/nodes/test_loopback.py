@@ -7,7 +7,6 @@ import sys
 import xml.etree.ElementTree as ElementTree
 
 import pytest
-from ros_graph import start_process
 
 from ema_bench_replay.nodes import loopback
 from ema_bench_replay.nodes.loopback import LOOPBACK, PROFILES, RANGE, keep_to_this_machine
@@ -130,21 +129,6 @@ class TestProfileThatIsNotTaken:
         assert status == 2 and str(profile) in line and "make setup" in line and RANGE in line
 
 
-@pytest.fixture
-def start(nothing_chosen):
-    """Starts nodes as somebody who has chosen nothing would."""
-    processes = []
-
-    def start(module, *parameters):
-        processes.append(start_process(module, *parameters))
-        return processes[-1]
-
-    yield start
-    for process in processes:
-        process.kill()
-        process.communicate()
-
-
 PLAIN_NODE = """
 import rclpy
 from ema_twin_msgs.msg import EmaState
@@ -158,6 +142,7 @@ while not heard:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("nothing_chosen")
 def test_a_plain_node_of_this_machine_hears_it(start):
     """ROS's own tools look for nodes in the whole network, this machine in it."""
     start("ema_twin_sim.nodes.twin", "input:=standalone")

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from ros_graph import Graph
 
 from ema_bench_replay.nodes import qos
 from ema_bench_replay.nodes.sample_codec import write_state
@@ -16,10 +15,10 @@ SIGNALS = {"current": 0.1, "speed": 1.0, "motor_position": 2.0, "output_position
 class Streams:
     """A monitor, and both streams that it compares."""
 
-    def __init__(self, **parameters):
-        self.graph = Graph()
-        self.monitor = self.graph.add(MonitorNode, services=False, **parameters)
-        node = self.graph.plain_node()
+    def __init__(self, graph, **parameters):
+        self.graph = graph
+        self.monitor = graph.add(MonitorNode, services=False, **parameters)
+        node = graph.plain_node()
         self.publishers = [node.create_publisher(EmaState, f"{side}/state", qos.STATE) for side in ("bench", "twin")]
         self.sent = self.answered = 0  # of one run
         self.skipped = 0  # samples of it that were sent before the monitor came
@@ -46,10 +45,8 @@ class Streams:
 
 
 @pytest.fixture
-def streams(request):
-    streams = Streams(**getattr(request, "param", {}))
-    yield streams
-    streams.graph.close()
+def streams(request, graph):
+    return Streams(graph, **getattr(request, "param", {}))
 
 
 SOON = pytest.mark.parametrize("streams", [{"stale_after": 5.0}], indirect=True)
@@ -103,8 +100,7 @@ def test_levels():
     assert level_of({"current": 20.0, "speed": 4.0}, floor, ("current",), 3.0, 10.0)[0] is Level.WARN
 
 
-def test_two_benches_that_mix_are_told_though_the_twin_answers_neither(streams):
-    graph = streams.graph
+def test_two_benches_that_mix_are_told_though_the_twin_answers_neither(graph, streams):
     benches = streams.publishers[0], graph.nodes[-1].create_publisher(EmaState, "bench/state", qos.STATE)
     graph.spin_until(lambda: streams.monitor.count_publishers("bench/state") == 2)
     for sequence in range(20):

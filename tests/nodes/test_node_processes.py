@@ -6,9 +6,8 @@ import threading
 from importlib import import_module
 
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.duration import Duration
-from ros_graph import ended_well, starter
+from ros_graph import ended_well, figures
 
 from ema_bench_replay.bags.bag_reader import read_bag
 from ema_bench_replay.load import load
@@ -25,12 +24,6 @@ REPLAY, RECORD = "ema_bench_replay.nodes.replay", "ema_bench_replay.nodes.record
 TWIN, MONITOR = "ema_twin_sim.nodes.twin", "ema_twin_sim.nodes.monitor"
 ALL = Duration(seconds=60.0)
 """In which a reader must have received all that was published, on a busy machine too."""
-
-
-@pytest.fixture
-def start():
-    with starter() as start:
-        yield start
 
 
 @pytest.fixture(scope="module")
@@ -77,14 +70,7 @@ def test_a_signal_ends_every_node_with_status_0(graph, start, trace, tmp_path, n
 def test_nothing_is_lost_between_processes_as_fast_as_they_go(graph, start, trace, tmp_path):
     """The whole recording, unpaced: a monitor here, the others in processes, and a recorder beside them."""
     monitor = graph.add(MonitorNode)
-    written = {}
-
-    def keep(message):
-        for status in message.status:
-            if status.name.startswith("record:"):
-                written.update((value.key, value.value) for value in status.values)
-
-    graph.plain_node("listener").create_subscription(DiagnosticArray, "/diagnostics", keep, qos.DIAGNOSTICS)
+    told = graph.diagnostics(graph.plain_node("listener"))
     twin, record = start(TWIN), start(RECORD, f"output:={tmp_path / 'bag'}")
     wait_for_nodes(graph, "twin", "record")
     replay = start(REPLAY, f"recording:={trace}", "rate:=0", "subscribers:=3", "patience:=60.0")
@@ -93,16 +79,16 @@ def test_nothing_is_lost_between_processes_as_fast_as_they_go(graph, start, trac
     assert replay.returncode == 0
     assert f"sent {len(recording)} samples" in replay.communicate()[1]
     all_of_it = dict.fromkeys(("/bench/state", "/twin/state"), f"{len(recording)} messages written")
-    graph.spin_until(lambda: all_of_it.items() <= written.items())
+    graph.spin_until(lambda: "record" in told and all_of_it.items() <= figures(told["record"]).items())
     for process in (record, twin):
         process.send_signal(signal.SIGINT)
     assert twin.wait(ENDING) == 0
     # what is published to be seen and not to be kept, as joint states, may pass a busy recorder by: it tells which
     lost = record.communicate(timeout=ENDING)[1].partition("; lost: ")[2]
     assert "/state" not in lost and (lost or record.returncode == 0)
-    figures = compare([recording], load_model("polito_bench")).recordings[0].signals
+    offline = compare([recording], load_model("polito_bench")).recordings[0].signals
     for name, live in monitor.comparison.result().items():
-        assert live["rmse"] == pytest.approx(figures[name]["rmse"], rel=1e-6), name
+        assert live["rmse"] == pytest.approx(offline[name]["rmse"], rel=1e-6), name
     for topic in all_of_it:
         assert len(read_bag(tmp_path / "bag", topic=topic)) == len(recording)
 

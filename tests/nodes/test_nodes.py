@@ -17,7 +17,6 @@ from ema_bench_replay.nodes.replay import ReplayNode
 from ema_twin_msgs.msg import EmaState, Health, Run
 from ema_twin_msgs.srv import Seek
 from ema_twin_sim.comparison.compare import compare
-from ema_twin_sim.model import load_model
 from ema_twin_sim.nodes.live import run_live
 from ema_twin_sim.nodes.live_session import Change
 from ema_twin_sim.nodes.monitor import MonitorNode
@@ -29,13 +28,8 @@ def recording(traces):
     return load(next(path for path in traces if "triangle" in path.name))
 
 
-@pytest.fixture(scope="module")
-def model():
-    return load_model("polito_bench")
-
-
-def assert_same(live, recording, model):
-    offline = compare([recording], model).recordings[0].signals
+def assert_same(live, recording, stock):
+    offline = compare([recording], stock).recordings[0].signals
     assert live.keys() == offline.keys()
     for name, figures in offline.items():
         assert live[name]["rmse"] == pytest.approx(figures["rmse"], rel=1e-6, abs=0.0), name
@@ -44,21 +38,21 @@ def assert_same(live, recording, model):
 
 
 @pytest.mark.parametrize(("rate", "seconds"), [pytest.param(0.0, None, marks=pytest.mark.slow), (5.0, 4.0), (1.0, 1.0)])
-def test_live_equals_compare(recording, model, rate, seconds):
+def test_live_equals_compare(recording, stock, rate, seconds):
     part = recording.between(0.0, seconds)
     pairs = []
-    live = run_live(part, model, rate=rate, on_pairs=pairs.extend)
+    live = run_live(part, stock, rate=rate, on_pairs=pairs.extend)
     assert live.complete
     assert live.counts == {"sent": len(part), "compared": len(part), "missing": 0, "expected": len(part)}
-    assert_same(live.signals, part, model)
+    assert_same(live.signals, part, stock)
     assert [pair.stamp for pair in pairs] == [part.start + stamp for stamp in part.stamps.tolist()]
 
 
 @pytest.mark.slow
-def test_pause_and_seek_back_change_nothing(graph, recording, model):
+def test_pause_and_seek_back_change_nothing(graph, recording, stock):
     recording = recording.between(0.0, 5.0)
-    twin = graph.add(TwinNode, model)
-    monitor = graph.add(MonitorNode, model)
+    twin = graph.add(TwinNode, stock)
+    monitor = graph.add(MonitorNode, stock)
     replay = graph.add(ReplayNode, recording, rate=10.0, on_end="wait")
     tester = graph.plain_node()
     runs = []
@@ -84,22 +78,22 @@ def test_pause_and_seek_back_change_nothing(graph, recording, model):
     assert graph.call(tester, Seek, "/replay/seek", position=0.0).success
     graph.spin_until(lambda: replay.ended and monitor.complete)
     assert replay.run != run
-    assert_same(monitor.comparison.result(), recording, model)
+    assert_same(monitor.comparison.result(), recording, stock)
     assert [message.run for message in runs] == [run, replay.run]
     assert all(message.samples == len(recording) for message in runs)
     assert twin.get_parameter("effects.backlash.enabled").value is False
 
 
-def test_a_run_that_starts_later_equals_that_part(graph, recording, model):
-    graph.add(TwinNode, model)
-    monitor = graph.add(MonitorNode, model)
+def test_a_run_that_starts_later_equals_that_part(graph, recording, stock):
+    graph.add(TwinNode, stock)
+    monitor = graph.add(MonitorNode, stock)
     replay = graph.add(ReplayNode, recording, rate=0.0, on_end="wait", start=17.0)
     graph.spin_until(lambda: replay.ended and monitor.complete)
-    assert_same(monitor.comparison.result(), recording.between(17.0), model)
+    assert_same(monitor.comparison.result(), recording.between(17.0), stock)
 
 
 @pytest.mark.slow
-def test_an_effect_switched_on_acts_while_running(recording, model):
+def test_an_effect_switched_on_acts_while_running(recording, stock):
     part = recording.between(0.0, 3.0)
     pairs = []
     changes = [
@@ -107,8 +101,8 @@ def test_an_effect_switched_on_acts_while_running(recording, model):
         Change(1.0, "effects.stribeck_friction.speed", 20),
         Change(1.5, "effects.stribeck_friction.enabled", True),
     ]
-    changed = run_live(part, model, rate=5.0, changes=changes, on_pairs=pairs.extend)
-    plain = compare([part], model).recordings[0].signals
+    changed = run_live(part, stock, rate=5.0, changes=changes, on_pairs=pairs.extend)
+    plain = compare([part], stock).recordings[0].signals
     assert changed.complete
     assert changed.signals["current"]["rmse"] > 2.0 * plain["current"]["rmse"]
     early = [abs(pair.residuals["current"]) for pair in pairs[:700]]
@@ -173,9 +167,9 @@ def test_start_values_of_parameters_reach_the_model(graph):
     assert twin.mode.twin.model.value("machine.motor_inertia") == 2e-3
 
 
-def test_health_goes_by_the_noise_floor(graph, recording, model):
-    graph.add(TwinNode, model)
-    monitor = graph.add(MonitorNode, model, error_at=1e6, warn_at=1e5)
+def test_health_goes_by_the_noise_floor(graph, recording, stock):
+    graph.add(TwinNode, stock)
+    monitor = graph.add(MonitorNode, stock, error_at=1e6, warn_at=1e5)
     tester = graph.plain_node()
     healths = []
     tester.create_subscription(Health, "/monitor/health", healths.append, qos.LATEST)
@@ -214,9 +208,9 @@ def stamp_of(sample):
     return sample.header.stamp.sec * 10**9 + sample.header.stamp.nanosec
 
 
-def test_everything_is_recorded(recording, model, tmp_path):
+def test_everything_is_recorded(recording, stock, tmp_path):
     part = recording.between(0.0, 2.0)
-    live = run_live(part, model, rate=0.0, record_to=tmp_path / "bag")
+    live = run_live(part, stock, rate=0.0, record_to=tmp_path / "bag")
     assert live.complete
     bench, twin = read_bag(tmp_path / "bag"), read_bag(tmp_path / "bag", topic="/twin/state")
     assert len(bench) == len(twin) == len(part)
@@ -226,15 +220,15 @@ def test_everything_is_recorded(recording, model, tmp_path):
     assert bench.motor_angle_origin == part.motor_angle_origin
 
 
-def test_live_ends_when_told(recording, model):
+def test_live_ends_when_told(recording, stock):
     stop = threading.Event()
-    live = run_live(recording, model, rate=1.0, on_pairs=lambda pairs: stop.set(), stop=stop)
+    live = run_live(recording, stock, rate=1.0, on_pairs=lambda pairs: stop.set(), stop=stop)
     assert not live.complete
     assert 0 < live.samples < len(recording)
 
 
-def test_every_report_reads_as_a_sentence_and_figures_with_units(graph, recording, model, tmp_path):
-    nodes = [graph.add(TwinNode, model), graph.add(MonitorNode, model)]
+def test_every_report_reads_as_a_sentence_and_figures_with_units(graph, recording, stock, tmp_path):
+    nodes = [graph.add(TwinNode, stock), graph.add(MonitorNode, stock)]
     nodes.append(graph.add(RecordNode, output=str(tmp_path / "bag")))
     nodes.append(graph.add(ReplayNode, recording.between(0.0, 2.0), rate=0.0, on_end="wait", subscribers=3))
     graph.spin_until(lambda: nodes[-1].ended and nodes[1].complete)

@@ -8,13 +8,13 @@ import time
 from pathlib import Path
 
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.qos import QoSProfile
-from ros_graph import Graph, starter
+from ros_graph import figures
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
-from ema_bench_replay.nodes import diagnostics, qos
+from ema_bench_replay.nodes import diagnostics
 from ema_bench_replay.nodes.record import RecordNode
 from ema_bench_replay.nodes.sample_codec import write_state
 from ema_twin_msgs.msg import EmaState
@@ -28,16 +28,12 @@ TOPIC = "/bench/state"
 class Bench:
     """Publishes samples, and hears what the recorder says on /diagnostics."""
 
-    def __init__(self):
-        self.graph = Graph()
-        node = self.graph.plain_node()
+    def __init__(self, graph):
+        self.graph = graph
+        node = graph.plain_node()
         self.publisher = node.create_publisher(EmaState, TOPIC, QoSProfile(depth=5000))
         self.sent = 0
-        self.status = DiagnosticStatus()
-        node.create_subscription(DiagnosticArray, "/diagnostics", self._hear, qos.DIAGNOSTICS)
-
-    def _hear(self, message):
-        self.status = next((s for s in message.status if s.name.startswith("record:")), self.status)
+        self.told = graph.diagnostics(node)
 
     def send_until(self, condition, what):
         """Publish some 500 samples a second until that is so."""
@@ -53,24 +49,25 @@ class Bench:
         self.send_until(lambda: self.sent >= until, "the samples")
 
     @property
+    def status(self):
+        return self.told.get("record", DiagnosticStatus())
+
+    @property
     def figures(self):
-        return {value.key: value.value for value in self.status.values}
+        return figures(self.status)
 
     def await_recorder(self):
         self.graph.spin_until(self.publisher.get_subscription_count, what="the recorder")
 
 
 @pytest.fixture
-def bench():
-    bench = Bench()
-    yield bench
-    bench.graph.close()
+def bench(graph):
+    return Bench(graph)
 
 
 @pytest.fixture
-def start():
-    with starter() as start_node:
-        yield lambda *parameters: start_node(RECORD, f"topics:=[{TOPIC}]", *parameters)
+def recorder(start):
+    return lambda *parameters: start(RECORD, f"topics:=[{TOPIC}]", *parameters)
 
 
 def ended(record):
@@ -99,9 +96,9 @@ def test_what_comes_by_best_effort_may_be_missed_and_is_told(bench, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("what", ["file", "folder"])
-def test_a_file_that_is_removed_is_told_and_gone_on_from(bench, start, tmp_path, what):
+def test_a_file_that_is_removed_is_told_and_gone_on_from(bench, recorder, tmp_path, what):
     folder = tmp_path / "bag"
-    record = start(f"output:={folder}")
+    record = recorder(f"output:={folder}")
     bench.await_recorder()
     bench.send_until(lambda: int(bench.figures.get(TOPIC, "0").split()[0]) > 300, "300 messages on disk")
     assert bench.status.level == DiagnosticStatus.OK
@@ -120,8 +117,8 @@ def test_a_file_that_is_removed_is_told_and_gone_on_from(bench, start, tmp_path,
 
 
 @pytest.mark.slow
-def test_nothing_is_lost_between_files(bench, start, tmp_path):
-    record = start(f"output:={tmp_path / 'bag'}", "max_bagfile_duration:=0.5")
+def test_nothing_is_lost_between_files(bench, recorder, tmp_path):
+    record = recorder(f"output:={tmp_path / 'bag'}", "max_bagfile_duration:=0.5")
     bench.await_recorder()
     bench.send(1500)
     bench.graph.spin_for(0.5)
@@ -169,12 +166,12 @@ def test_a_full_disk_is_told_and_gone_on_from(bench, tmp_path):
 
 
 @pytest.mark.slow
-def test_a_kill_costs_a_quarter_of_a_second_at_most(bench, start, tmp_path):
+def test_a_kill_costs_a_quarter_of_a_second_at_most(bench, recorder, tmp_path):
     """`tests.benchmarks.bench_recorder` does it a hundred times, beside all nodes."""
     for k in range(5):
         folder = tmp_path / f"bag_{k}"
         file = folder / f"{folder.name}.mcap"
-        record = start(f"output:={folder}")
+        record = recorder(f"output:={folder}")
         bench.send_until(lambda file=file: file.exists() and file.stat().st_size > 5000, "messages on disk")
         bench.send(300 + 37 * k)
         killed = time.time_ns()

@@ -10,7 +10,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import Header
 
 from ema_bench_replay.nodes.sample_codec import COMPARED, FIELDS, read_state, write_residual, write_state
-from ema_bench_replay.recording import SIGNALS
+from ema_bench_replay.sample import VALUES
 from ema_twin_msgs.msg import EmaState, Residual
 
 floats = st.floats(allow_nan=False)
@@ -22,7 +22,7 @@ def test_fields_are_the_signals_of_a_recording_and_the_origins():
     assert names[:3] == ["header", "run", "sequence"]
     assert tuple(names[3:]) == FIELDS
     told = "EmaState.msg and units.py differ, or `make setup` is to be run"
-    assert set(FIELDS) == {*SIGNALS, "motor_angle_origin", "output_angle_origin"}, told
+    assert set(FIELDS) == {*VALUES}, told
 
 
 @given(stamps, st.integers(0, 2**32 - 1), st.integers(0, 2**64 - 1), st.dictionaries(st.sampled_from(FIELDS), floats))

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.traces.trace_table import all_columns, read_table
+from ema_bench_replay.traces.trace_table import all_columns
+from tests.trace_text import read_text
 
 ROWS = "".join(f"{row * 0.01:.2f};{row * 0.1:.1f};{row % 7}\n" for row in range(30))
 
 
 def read(tmp_path, begin, needed=all_columns, rows=ROWS):
-    (tmp_path / "run.csv").write_text(f"t;pos;cur\n{begin}{rows}")
-    return read_table(tmp_path / "run.csv", needed=needed)
+    return read_text(tmp_path, f"t;pos;cur\n{begin}{rows}", needed=needed)
 
 
 @pytest.mark.parametrize("needed", [all_columns, lambda header: (), lambda header: (0, 2)])

@@ -9,31 +9,28 @@ import pytest
 import zstandard
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mcap.data_stream import RecordBuilder
-from mcap.records import Chunk
+from mcap.records import Chunk, Header
 from mcap.writer import CompressionType, Writer
 
 from ema_bench_replay.bags import packed_messages
 from ema_bench_replay.bags.bag_metadata import STATE_QOS, qos_profile
 from ema_bench_replay.bags.bag_reader import read_bag
 from ema_bench_replay.bags.bag_writer import write_mcap
-from ema_bench_replay.bags.cdr import parse, serialise
+from ema_bench_replay.bags.mcap_file import MAGIC, bytes_of
 from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
-from tests.bags import DEFINITION, STATE, a_recording, refused, some_samples, write_other
+from tests.bags import DEFINITION, STATE, a_recording, other_writer, refused, serialised, some_samples, write_other
+
+OTHER_TYPES = DEFINITION[DEFINITION.index("=" * 80) :]
+"""What the definition of a state adds for the types within it."""
 
 
 def write_bytes(file, definition, *samples):
     """A bag of messages of any bytes, each at the nanosecond of its number."""
-    with file.open("wb") as stream:
-        writer = Writer(stream)
-        writer.start(profile="ros2")
-        schema = writer.register_schema(STATE, "ros2msg", definition.encode())
-        channel = writer.register_channel("/bench/state", "cdr", schema, {"offered_qos_profiles": ""})
+    with other_writer(file, definition) as (writer, channel):
         for time, content in enumerate(samples):
             writer.add_message(channel, time, content, time)
-        writer.finish()
 
 
 def packed(message):
@@ -42,13 +39,7 @@ def packed(message):
 
 def states(count=50):
     """Serialised states, a period of 1 ms apart."""
-    types, root = parse(DEFINITION, STATE)
-    return [
-        serialise(
-            types, root, {"header": {"stamp": {"sec": 1, "nanosec": 1_000_000 * k}}, "sequence": k, "current": k / 7}
-        )
-        for k in range(count)
-    ]
+    return [content for content, _ in serialised(some_samples(count))]
 
 
 class TestPackedMessages:
@@ -125,7 +116,7 @@ class TestOtherWriters:
     def test_another_version_of_the_type(self, tmp_path):
         definition = (
             "std_msgs/Header header\nstring<=20 note\nint8 LIMIT = 3\nfloat32[3] extra\nuint16[] list\nbool ok true\n"
-            "uint64 sequence\nfloat64 speed\nfloat64 current\n" + DEFINITION[DEFINITION.index("=" * 80) :]
+            f"uint64 sequence\nfloat64 speed\nfloat64 current\n{OTHER_TYPES}"
         )
         samples = some_samples(note="abc", extra=[1, 2, 3], list=[7], ok=True)
         recording = read_bag(write_other(tmp_path / "b.mcap", samples, definition=definition))
@@ -133,7 +124,7 @@ class TestOtherWriters:
         assert math.isnan(recording.motor_angle_origin) and list(recording.signals) == ["current", "speed"]
 
     def test_big_endian(self, tmp_path):
-        definition = "std_msgs/Header header\nfloat64 current\n" + DEFINITION[DEFINITION.index("=" * 80) :]
+        definition = f"std_msgs/Header header\nfloat64 current\n{OTHER_TYPES}"
         samples = [b"\0\0\0\0" + struct.pack(">iIIB3xd", 1, k, 1, 0, k / 7) for k in range(3)]
         write_bytes(tmp_path / "b.mcap", definition, *samples)
         recording = read_bag(tmp_path / "b.mcap")
@@ -159,7 +150,7 @@ class TestOtherWriters:
         assert recording.warnings == ("b.mcap: /bench/state: holds 2 runs; the first one is used (50 samples)",)
 
     def test_runs_without_number(self, tmp_path):
-        definition = "std_msgs/Header header\nfloat64 current\n" + DEFINITION[DEFINITION.index("=" * 80) :]
+        definition = f"std_msgs/Header header\nfloat64 current\n{OTHER_TYPES}"
         again = [(values, log_time + 1000) for values, log_time in some_samples(20)]
         recording = read_bag(write_other(tmp_path / "b.mcap", some_samples() + again, definition=definition))
         assert len(recording) == 50 and "holds 2 runs" in recording.warnings[0]
@@ -168,13 +159,10 @@ class TestOtherWriters:
         only = write_other(tmp_path / "only.mcap", some_samples(), topic="/twin/state")
         assert len(read_bag(only)) == 50
         writer = StreamWriter(tmp_path / "both")
-        types, root = parse(DEFINITION, STATE)
         for number, topic in enumerate(("/twin/state", "/bench/state")):
             writer.add_topic(topic, STATE, STATE_QOS)
-            for k in range(10):
-                header = {"stamp": {"sec": 1, "nanosec": k}}
-                values = {"header": header, "run": 1, "sequence": k, "current": number}
-                writer.write(topic, serialise(types, root, values), 10**9 + k)
+            for message, logged in serialised(some_samples(10, current=number)):
+                writer.write(topic, message, logged)
         assert writer.finish() == {"/twin/state": 10, "/bench/state": 10}
         assert read_bag(tmp_path / "both").signals["current"][0] == 1
         assert read_bag(tmp_path / "both", topic="/twin/state").signals["current"][0] == 0
@@ -274,37 +262,27 @@ class TestBadInput:
         samples[7][0]["speed"] = math.nan
         refused(write_other(tmp_path / "b.mcap", samples), "speed", "1 of 50", "0.007 s")
 
-    def test_nothing_known(self, tmp_path):
-        refused(write_other(tmp_path / "b.mcap", some_samples(current=math.nan, speed=math.nan)), "all signals are NaN")
-
-    def test_no_messages(self, tmp_path):
-        refused(write_other(tmp_path / "b.mcap", []), "no samples")
-
-    def test_time_that_stands_still(self, tmp_path):
-        samples = [({**values, "stamp": 10**9}, log_time) for values, log_time in some_samples()]
-        refused(write_other(tmp_path / "b.mcap", samples), "time does not go on at sample 1")
+    @pytest.mark.parametrize(
+        ("samples", "told"),
+        [
+            ([], "no samples"),
+            (some_samples(current=math.nan, speed=math.nan), "all signals are NaN"),
+            (some_samples(stamp=10**9), "time does not go on at sample 1"),
+        ],
+    )
+    def test_messages_of_which_nothing_can_be_made(self, tmp_path, samples, told):
+        refused(write_other(tmp_path / "b.mcap", samples), told)
 
 
 class TestBounds:
     """What a file says of its own size is no reason to believe it, nor to make room for it."""
 
-    @staticmethod
-    def bomb(path, compression, content, claimed):
-        with path.open("wb") as stream:
-            writer = Writer(stream, use_chunking=False)
-            writer.start(profile="ros2")
-            schema = writer.register_schema(STATE, "ros2msg", DEFINITION.encode())
-            writer.register_channel("/bench/state", "cdr", schema, {"offered_qos_profiles": ""})
-            packed = {"zstd": zstandard.compress, "lz4": lz4.frame.compress}[compression](content)
-            builder = RecordBuilder()
-            Chunk(compression, packed, 1, 0, 0, claimed).write(builder)
-            stream.write(builder.end())
-        return path
-
-    @pytest.mark.parametrize("compression", ["zstd", "lz4"])
+    @pytest.mark.parametrize(("name", "compress"), [("zstd", zstandard.compress), ("lz4", lz4.frame.compress)])
     @pytest.mark.parametrize("claimed", [1000, 1 << 30, 1 << 60])
-    def test_a_chunk_that_is_larger_than_it_says_or_says_too_much(self, tmp_path, compression, claimed):
-        path = self.bomb(tmp_path / "b.mcap", compression, bytes(64 << 20), claimed)
+    def test_a_chunk_that_is_larger_than_it_says_or_says_too_much(self, tmp_path, name, compress, claimed):
+        path = tmp_path / "b.mcap"
+        bomb = Chunk(name, compress(bytes(64 << 20)), 1, 0, 0, claimed)
+        path.write_bytes(MAGIC + b"".join(map(bytes_of, (Header("ros2", ""), bomb))))
         before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         refused(path, "chunk is damaged")
         assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 32 << 10  # kB: half of what was packed
@@ -325,9 +303,8 @@ class TestBounds:
         ],
     )
     def test_definitions_that_lead_nowhere(self, tmp_path, lines, told):
-        rest = DEFINITION[DEFINITION.index("=" * 80) :]
         path = write_other(tmp_path / "good.mcap", some_samples(3))
-        write_bytes(tmp_path / "b.mcap", f"std_msgs/Header header\n{lines}{rest}", b"\0\1\0\0" + bytes(200))
+        write_bytes(tmp_path / "b.mcap", f"std_msgs/Header header\n{lines}{OTHER_TYPES}", b"\0\1\0\0" + bytes(200))
         assert len(read_bag(path)) == 3
         refused(tmp_path / "b.mcap", told)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.traces.trace_table import read_table
+from tests.trace_text import read_text
 
 ROWS = "0,1;1,5;2,5\n0,2;1,6;2,5\n0,3;1,7;2,5\n"
 BETWEEN = {
@@ -20,27 +20,22 @@ BETWEEN = {
 @pytest.mark.parametrize("above", ["", "Recorder 7\n", "# made today\n\n"])
 def test_the_rows_begin_where_numbers_do(tmp_path, kind, above):
     """A header that was found above such a line ended in a refusal of that line."""
-    path = tmp_path / "run.csv"
-    path.write_text(f"{above}t;pos;cur\n{BETWEEN[kind]}{ROWS}")
-    table = read_table(path)
+    table = read_text(tmp_path, f"{above}t;pos;cur\n{BETWEEN[kind]}{ROWS}")
     assert table.header == ["t", "pos", "cur"] and table.warnings == ()
     assert np.array_equal(table.columns[0], [0.1, 0.2, 0.3]) and np.array_equal(table.columns[1], [1.5, 1.6, 1.7])
-    line = path.read_text().split("\n")[table.line(0) - 1]
-    assert line == "0,1;1,5;2,5"
+    assert table.path.read_text().split("\n")[table.line(0) - 1] == "0,1;1,5;2,5"
 
 
 @pytest.mark.parametrize("kind", ["a blank line", "a comment"])
 def test_columns_between_blanks_too(tmp_path, kind):
-    (tmp_path / "run.txt").write_text("t  pos  cur\n" + BETWEEN[kind] + "0.1  1.5  2.5\n0.2  1.6  2.5\n")
-    table = read_table(tmp_path / "run.txt")
+    table = read_text(tmp_path, "t  pos  cur\n" + BETWEEN[kind] + "0.1  1.5  2.5\n0.2  1.6  2.5\n")
     assert table.header == ["t", "pos", "cur"] and np.array_equal(table.columns[0], [0.1, 0.2])
 
 
 @pytest.mark.parametrize("torn", ["0,05\n", "0,05;\n", "\n0,05\n"])
 def test_a_first_row_that_is_cut_is_not_skipped(tmp_path, torn):
-    (tmp_path / "run.csv").write_text(f"t;pos;cur\n{torn}{ROWS}")
     with pytest.raises(InputError, match=r"line \d: "):
-        read_table(tmp_path / "run.csv")
+        read_text(tmp_path, f"t;pos;cur\n{torn}{ROWS}")
 
 
 NUMBERS = [[0.5, 12.0, -0.25], [1.5, 13.0, 2e-3], [2.5, 14.0, 1.0]]
@@ -55,8 +50,7 @@ def matrix(mark, end):
 @pytest.mark.parametrize("end", ["", ";", " ;"])
 def test_two_comments_above_the_rows_are_names_and_units_and_a_semicolon_may_end_each_row(tmp_path, mark, above, end):
     """As MATLAB writes a matrix; the first row was taken for the names of the columns."""
-    (tmp_path / "run.csv").write_text("% bench 3\n\n" + above.replace(",", mark.strip(" ") or "  ") + matrix(mark, end))
-    table = read_table(tmp_path / "run.csv")
+    table = read_text(tmp_path, "% bench 3\n\n" + above.replace(",", mark.strip(" ") or "  ") + matrix(mark, end))
     assert table.header == ["time [s]", "pos [rad]", "speed [rad/s]"] and table.warnings == ()
     assert np.array_equal(np.stack(table.columns, axis=1), NUMBERS)
 
@@ -65,41 +59,34 @@ def test_two_comments_above_the_rows_are_names_and_units_and_a_semicolon_may_end
 def test_a_row_of_units_of_which_one_is_spelt_oddly_is_not_taken_for_names(tmp_path, above):
     """A dynamometer's log wrote rad.s for rad/s, and its units were read as the names of its columns."""
     names, units = "Supply, Torque, Speed, Setpoint, Motor", "V, N.mm, rad.s, rad.s, A"
-    (tmp_path / "run.csv").write_text(f"{above}{names}\n{units}\n48.1, -15.2, -10.5, 10.5, -1.6\n48.0, 9, 8, 7, 6\n")
-    table = read_table(tmp_path / "run.csv")
+    table = read_text(tmp_path, f"{above}{names}\n{units}\n48.1, -15.2, -10.5, 10.5, -1.6\n48.0, 9, 8, 7, 6\n")
     assert table.header == ["Supply [V]", "Torque [N.mm]", "Speed [rad.s]", "Setpoint [rad.s]", "Motor [A]"]
     assert np.array_equal(table.columns[0], [48.1, 48.0])
 
 
 def test_a_semicolon_ends_the_rows_of_later_blocks_too(tmp_path, monkeypatch):
     monkeypatch.setattr("ema_bench_replay.traces.text_blocks._BLOCK", 64)
-    (tmp_path / "run.csv").write_text("time,pos,speed;\n" + matrix(",", ";") * 20)
-    table = read_table(tmp_path / "run.csv")
+    table = read_text(tmp_path, "time,pos,speed;\n" + matrix(",", ";") * 20)
     assert table.header == ["time", "pos", "speed"] and len(table.columns[0]) == 60
 
 
 def test_a_decimal_comma_before_the_semicolon_is_no_separator(tmp_path):
-    (tmp_path / "run.csv").write_text("pos;\n0,5;\n0,6;\n")
-    table = read_table(tmp_path / "run.csv")
+    table = read_text(tmp_path, "pos;\n0,5;\n0,6;\n")
     assert table.header == ["pos"] and np.array_equal(table.columns[0], [0.5, 0.6])
 
 
 @pytest.mark.parametrize("rows", ["1.5\n2.5\n", "1:2:3\n2:3:4\n", "1|2\n3|4\n"])
 def test_numbers_in_the_first_line_are_no_names(tmp_path, rows):
-    (tmp_path / "run.csv").write_text(f"% bench 3\n{rows}")
     with pytest.raises(InputError, match="line 2: the first line is numbers: no names of columns; put one there"):
-        read_table(tmp_path / "run.csv")
+        read_text(tmp_path, f"% bench 3\n{rows}")
 
 
 @pytest.mark.parametrize(("cells", "last"), [(";7;", "column"), (";7;8;", "2 columns"), (";7;8", "2 columns")])
 def test_columns_without_a_name_are_told_from_a_row_that_is_too_long(tmp_path, cells, last):
-    path = tmp_path / "run.csv"
-    path.write_text("# bench 3\nt;pos;cur\n" + ROWS.replace("\n", f"{cells}\n"))
     with pytest.raises(InputError, match=rf"line 2: the header names 3 columns, and each row .*; name the last {last}"):
-        read_table(path)
-    path.write_text("t;pos;cur\n" + ROWS.replace("2,5\n", "2,5;7;8\n", 1))
+        read_text(tmp_path, "# bench 3\nt;pos;cur\n" + ROWS.replace("\n", f"{cells}\n"))
     with pytest.raises(InputError, match="line 2: has 5 cells where the header has 3; remove or complete the row"):
-        read_table(path)
+        read_text(tmp_path, "t;pos;cur\n" + ROWS.replace("2,5\n", "2,5;7;8\n", 1))
 
 
 @pytest.mark.parametrize("cell", ["NaN", "nan", "-nan(ind)", "inf", "-Inf", "", "N/A", "null"])
@@ -108,8 +95,8 @@ def test_columns_without_a_name_are_told_from_a_row_that_is_too_long(tmp_path, c
 def test_first_rows_that_hold_only_a_time_are_rows(tmp_path, cell, units, count):
     """A logger that starts before its drive answers: the first such row was taken for the names of the columns."""
     before = "".join(f"{0.1 * k:.1f},{cell},{cell}\n" for k in range(count))
-    (tmp_path / "run.csv").write_text(f"time,position,current\n{units}{before}1.0,1.5,2.5\n2.0,1.6,2.5\n")
-    table = read_table(tmp_path / "run.csv", needed=lambda header: ())
+    text = f"time,position,current\n{units}{before}1.0,1.5,2.5\n2.0,1.6,2.5\n"
+    table = read_text(tmp_path, text, needed=lambda header: ())
     assert [name.split(" ")[0] for name in table.header] == ["time", "position", "current"]
     assert len(table.columns[0]) == count + 2 and np.isnan(table.columns[1][:count]).all()
     assert table.columns[1][count:].tolist() == [1.5, 1.6]
@@ -117,29 +104,25 @@ def test_first_rows_that_hold_only_a_time_are_rows(tmp_path, cell, units, count)
 
 @pytest.mark.parametrize("first", ["NaN,NaN,NaN", "NaN,1.0,2.0", "0.0,1.0,NaN"])
 def test_a_row_whose_time_is_missing_names_no_columns_either(tmp_path, first):
-    (tmp_path / "run.csv").write_text(f"time,position,current\n{first}\n1.0,1.5,2.5\n2.0,1.6,2.5\n")
-    table = read_table(tmp_path / "run.csv", needed=lambda header: ())
+    table = read_text(tmp_path, f"time,position,current\n{first}\n1.0,1.5,2.5\n2.0,1.6,2.5\n", needed=lambda header: ())
     assert table.header == ["time", "position", "current"] and len(table.columns[0]) == 3 - (first == "NaN,NaN,NaN")
 
 
 @pytest.mark.parametrize("above", ["", "% bench 3\n"])
 def test_without_names_such_rows_are_refused(tmp_path, above):
-    (tmp_path / "run.csv").write_text(f"{above}0.0,NaN,NaN\n0.1,NaN,NaN\n0.2,1.5,2.5\n0.3,1.6,2.5\n")
     with pytest.raises(InputError, match="3 cells, and no line above them names as many columns"):
-        read_table(tmp_path / "run.csv")
+        read_text(tmp_path, f"{above}0.0,NaN,NaN\n0.1,NaN,NaN\n0.2,1.5,2.5\n0.3,1.6,2.5\n")
 
 
 def test_a_gap_that_outlasts_the_lines_searched_hides_no_header(tmp_path):
     gap = "".join(f"{k},NaN,NaN\n" for k in range(300))
-    (tmp_path / "run.csv").write_text(f"time,position,current\n{gap}300,1.5,2.5\n")
-    table = read_table(tmp_path / "run.csv", needed=lambda header: ())
+    table = read_text(tmp_path, f"time,position,current\n{gap}300,1.5,2.5\n", needed=lambda header: ())
     assert table.header == ["time", "position", "current"] and len(table.columns[0]) == 301
 
 
 @pytest.mark.parametrize("between", ["", "\n", "17,,\n"])
 def test_numbers_that_a_table_program_filled_up_with_empty_cells_are_no_rows(tmp_path, between):
-    (tmp_path / "run.csv").write_text(f"2024,,\n{between}time,position,current\n1.0,1.5,2.5\n2.0,1.6,2.5\n")
-    table = read_table(tmp_path / "run.csv")
+    table = read_text(tmp_path, f"2024,,\n{between}time,position,current\n1.0,1.5,2.5\n2.0,1.6,2.5\n")
     assert table.header == ["time", "position", "current"] and len(table.columns[0]) == 2
 
 
@@ -155,8 +138,7 @@ ItemCount,3,,,,MIN,MAX
 def test_numbers_among_words_of_information_are_no_rows(tmp_path, above, units):
     """As servo programs list the curves of a graph: the names were looked for above that list."""
     text = f"{above}Time,Realtime Tick,Present Position,,,,\n{units}0,28228,-1,,,,\n106,28334,2,,,,\n"
-    (tmp_path / "run.csv").write_text(text)
-    table = read_table(tmp_path / "run.csv", needed=lambda header: (0, 1, 2))
+    table = read_text(tmp_path, text, needed=lambda header: (0, 1, 2))
     assert [name.split(" [")[0] for name in table.header[:3]] == ["Time", "Realtime Tick", "Present Position"]
     assert [column.tolist() for column in table.columns[:3]] == [[0.0, 106.0], [28228.0, 28334.0], [-1.0, 2.0]]
     assert text.split("\n")[table.line(0) - 1].startswith("0,28228")
@@ -166,6 +148,5 @@ def test_numbers_among_words_of_information_are_no_rows(tmp_path, above, units):
 def test_a_second_header_hides_no_rows(tmp_path, first):
     """A logger that was started anew: what is above its second header are rows, though they may hold words."""
     rows = f"{first}\n{first.replace('0.1', '0.2')}\ntime,position,state\n{first.replace('0.1', '0.3')}\n"
-    (tmp_path / "run.csv").write_text(f"time,position,state\n{rows}")
     with pytest.raises(InputError, match="line 4: column 'time': 'time' is no number"):
-        read_table(tmp_path / "run.csv", needed=lambda header: (0,))
+        read_text(tmp_path, f"time,position,state\n{rows}", needed=lambda header: (0,))

@@ -5,23 +5,25 @@ import pytest
 from ema_bench_replay.traces.header_words import COUNTS, header_words, in_other_letters
 
 
-@pytest.mark.parametrize(
-    ("name", "unit"),
-    [
-        ("電流A", "A"),
-        ("电压V", "V"),
-        ("轉速rpm", "rpm"),
-        ("速度deg/s", "deg/s"),
-        ("轉矩kgf.m", "kgf m"),
-        ("轉矩n-m", "N m"),
-        ("温度°C", "degC"),
-        ("角度°", "deg"),
-        ("回転数r/min", "rpm"),
-        ("токA", "A"),
-        ("轉差 s", "s"),
-        ("電流(A)", "A"),
-    ],
-)
+def each(names_by_what_they_tell):
+    """Each name with what it tells."""
+    return [(name, told) for told, names in names_by_what_they_tell.items() for name in names]
+
+
+BEHIND = {
+    "A": ("電流A", "токA", "電流(A)"),
+    "V": ("电压V",),
+    "rpm": ("轉速rpm", "回転数r/min"),
+    "deg/s": ("速度deg/s",),
+    "kgf m": ("轉矩kgf.m",),
+    "N m": ("轉矩n-m",),
+    "degC": ("温度°C",),
+    "deg": ("角度°",),
+    "s": ("轉差 s",),
+}
+
+
+@pytest.mark.parametrize(("name", "unit"), each(BEHIND))
 def test_a_unit_directly_behind_other_letters_is_read(name, unit):
     read = header_words(name)
     assert read.unit == unit and read.words == () and in_other_letters(name)
@@ -47,44 +49,34 @@ def test_latin_and_greek_letters_end_no_word(name):
     assert header_words(name).unit in (None, "um")
 
 
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("转速n", ("speed", "n")),
-        ("轉速N", ("speed", "n")),
-        ("速度V", ("speed", "v")),
-        ("力矩M", ("torque", "m")),
-        ("转矩M", ("torque", "m")),
-        ("моментM", ("torque", "m")),
-        ("电压U", ("voltage", "u")),
-        ("напряжениеU", ("voltage", "u")),
-        ("скоростьn", ("speed", "n")),
-        ("关节角度q", ("position", "q")),
-        ("时间t", ("time", "t")),
-        ("电机A", ()),
-        ("轴a", ()),
-        ("电机M", ()),
-        ("质量m", ()),
-    ],
-)
+SYMBOLS = {
+    ("speed", "n"): ("转速n", "轉速N", "скоростьn"),
+    ("speed", "v"): ("速度V",),
+    ("torque", "m"): ("力矩M", "转矩M", "моментM"),
+    ("voltage", "u"): ("电压U", "напряжениеU"),
+    ("position", "q"): ("关节角度q",),
+    ("time", "t"): ("时间t",),
+    (): ("电机A", "轴a", "电机M", "质量m"),
+}
+
+
+@pytest.mark.parametrize(("name", "words"), each(SYMBOLS))
 def test_a_letter_that_is_no_unit_of_what_the_name_says_is_a_symbol(name, words):
     """Speed n was read as a torque in N, torque M as a position in m, motor A as a current."""
     read = header_words(name)
     assert read.unit is None and read.words == words and read.foreign == ""
 
 
-@pytest.mark.parametrize(
-    ("name", "unit"),
-    [
-        ("电机电流A", "A"),
-        ("力矩电流A", "A"),
-        ("时间s", "s"),
-        ("位移m", "m"),
-        ("推力N", "N"),
-        ("전류A", "A"),
-        ("温度C", "degC"),
-    ],
-)
+LETTERS = {
+    "A": ("电机电流A", "力矩电流A", "전류A"),
+    "s": ("时间s",),
+    "m": ("位移m",),
+    "N": ("推力N",),
+    "degC": ("温度C",),
+}
+
+
+@pytest.mark.parametrize(("name", "unit"), each(LETTERS))
 def test_a_letter_that_is_a_unit_of_what_the_name_says_is_one(name, unit):
     assert header_words(name).unit == unit
 

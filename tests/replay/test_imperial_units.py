@@ -5,8 +5,8 @@ import pytest
 
 from ema_bench_replay.load import load
 from ema_bench_replay.traces.header_words import header_words
-from ema_bench_replay.traces.trace_table import read_table
 from ema_bench_replay.units import ALL_UNITS
+from tests.trace_text import read_text, write_map
 
 
 @pytest.mark.parametrize(
@@ -32,31 +32,28 @@ def test_factors_are_exact(unit, value):
     assert ALL_UNITS[unit] == pytest.approx(value, rel=1e-15)
 
 
-@pytest.mark.parametrize(
-    ("name", "unit"),
-    [
-        ("displacement (in)", "in"),
-        ("x inches", "in"),
-        ("stroke [ft]", "ft"),
-        ("velocity (in/s)", "in/s"),
-        ("v_in_per_s", "in/s"),
-        ("feed rate (ipm)", "in/min"),
-        ("speed ft/s", "ft/s"),
-        ("actuator force 1 (lb)", "lbf"),
-        ("force in lbf", "lbf"),
-        ("force_in_lb", "lbf"),
-        ("friction force (kip)", "kip"),
-        ("thrust [kgf]", "kgf"),
-        ("load_gf", "gf"),
-        ("Torque [lb-in]", "lbf in"),
-        ("Torque (in-lb)", "lbf in"),
-        ("Torque in lb", "lbf in"),
-        ("torque_in_lb", "lbf in"),
-        ("torque ft-lbs", "lbf ft"),
-        ("torque_lb_ft", "lbf ft"),
-        ("torque (oz-in)", "ozf in"),
-    ],
-)
+NAMES = {
+    "in": ("displacement (in)", "x inches"),
+    "ft": ("stroke [ft]",),
+    "in/s": ("velocity (in/s)", "v_in_per_s"),
+    "in/min": ("feed rate (ipm)",),
+    "ft/s": ("speed ft/s",),
+    "lbf": ("actuator force 1 (lb)", "force in lbf", "force_in_lb"),
+    "kip": ("friction force (kip)",),
+    "kgf": ("thrust [kgf]",),
+    "gf": ("load_gf",),
+    "lbf in": ("Torque [lb-in]", "Torque (in-lb)", "Torque in lb", "torque_in_lb"),
+    "lbf ft": ("torque ft-lbs", "torque_lb_ft"),
+    "ozf in": ("torque (oz-in)",),
+    # the word before a unit is no inch
+    "s": ("time_in_s",),
+    "deg": ("angle in deg",),
+    "rpm": ("Speed (in) [rpm]",),
+    "N m": ("M in Nm",),
+}
+
+
+@pytest.mark.parametrize(("name", "unit"), [(name, unit) for unit, names in NAMES.items() for name in names])
 def test_they_are_read_in_names(name, unit):
     assert header_words(name).unit == unit
 
@@ -67,13 +64,6 @@ def test_words_that_are_no_units(name):
 
 
 @pytest.mark.parametrize(
-    ("name", "unit"), [("time_in_s", "s"), ("angle in deg", "deg"), ("Speed (in) [rpm]", "rpm"), ("M in Nm", "N m")]
-)
-def test_the_word_before_a_unit_is_no_inch(name, unit):
-    assert header_words(name).unit == unit
-
-
-@pytest.mark.parametrize(
     ("name", "linear"), [("x (in)", True), ("F [lb]", True), ("v [ft/s]", True), ("M [lb-ft]", False), ("t [s]", None)]
 )
 def test_they_tell_the_kind_of_motion(name, linear):
@@ -81,16 +71,14 @@ def test_they_tell_the_kind_of_motion(name, linear):
 
 
 def test_a_row_of_them_is_one_of_units(tmp_path):
-    (tmp_path / "run.csv").write_text("Time,Stroke,Load\nsec,in,lb\n0.0,1.5,20\n0.1,1.6,21\n")
-    assert read_table(tmp_path / "run.csv").header == ["Time [sec]", "Stroke [in]", "Load [lb]"]
+    table = read_text(tmp_path, "Time,Stroke,Load\nsec,in,lb\n0.0,1.5,20\n0.1,1.6,21\n")
+    assert table.header == ["Time [sec]", "Stroke [in]", "Load [lb]"]
 
 
 def test_an_import_map_takes_them(tmp_path):
-    (tmp_path / "own.yaml").write_text(
-        "version: 1\nmotion: linear\ntime: {column: t, unit: s}\nsignals:\n"
-        "  speed: {columns: [v], unit: in/s}\n  motor_torque: {columns: [F], unit: lbf}\n"
-    )
+    signals = {"speed": "{columns: [v], unit: in/s}", "motor_torque": "{columns: [F], unit: lbf}"}
+    own = write_map(tmp_path, signals, "motion: linear\ntime: {column: t, unit: s}")
     (tmp_path / "run.csv").write_text("t,v,F\n0,1,2\n0.001,2,4\n")
-    signals = load(tmp_path / "run.csv", import_map=tmp_path / "own.yaml").signals
+    signals = load(tmp_path / "run.csv", import_map=own).signals
     assert np.allclose(signals["speed"], [0.0254, 0.0508], rtol=1e-12)
     assert np.allclose(signals["motor_torque"], [8.896443230521, 17.792886461042], rtol=1e-12)

@@ -12,6 +12,7 @@ from ema_bench_replay.traces.import_map import Column, load_map
 from ema_bench_replay.traces.lacked_columns import lacked_columns
 from ema_twin_sim.model.matching import matched
 from tests.one_line import refused_in_one_line
+from tests.trace_text import write_map
 
 MAP = """
 version: 1
@@ -27,20 +28,19 @@ signals:
 def own(tmp_path):
     """Write a map and return its path."""
 
-    def write(text, name="own.yaml"):
-        path = tmp_path / name
+    def write(text):
+        path = tmp_path / "own.yaml"
         path.write_text(text)
         return path
 
     return write
 
 
-def test_whatever_is_told_at_the_output_is_taken_to_the_motor(own, tmp_path, stock):
+def test_whatever_is_told_at_the_output_is_taken_to_the_motor(tmp_path, stock):
     """The same motion at either shaft: angles and speeds times the ratio, torques over it."""
     ratio = stock.value("machine.gear_ratio")
     factors = {"motor_position": ratio, "speed": ratio, "motor_torque": 1.0 / ratio, "load_torque": 1.0 / ratio}
-    signals = "\n".join(f"  {name}: {{columns: [{name}], shaft: output}}" for name in factors)
-    import_map = own(f"version: 1\ntime: {{column: t, unit: s}}\nsignals:\n{signals}\n")
+    import_map = write_map(tmp_path, {name: f"{{columns: [{name}], shaft: output}}" for name in factors})
     trace = tmp_path / "joint.csv"
     trace.write_text(f"t,{','.join(factors)}\n0.000,0.5,0.1,10,20\n0.001,0.6,0.2,11,21\n0.002,0.7,0.3,12,22\n")
     told = load(trace, import_map=import_map)
@@ -90,14 +90,11 @@ def test_another_drive_needs_no_code(own, tmp_path):
     assert "R5: counter wrapped (-65536 counts) at 0.002 s; unwrapped" in warning
 
 
-def test_command_is_measured_from_the_zero_of_the_position(own, tmp_path):
+def test_command_is_measured_from_the_zero_of_the_position(tmp_path):
     path = tmp_path / "drive.csv"
     path.write_text("t,position,command\n0,10,11\n1,10.5,12\n")
-    text = (
-        "version: 1\ntime: {column: t, unit: s}\nsignals:\n"
-        "  output_position: {columns: [position]}\n  output_command: {columns: [command]}\n"
-    )
-    signals = load(path, import_map=own(text)).signals
+    columns = {"output_position": "{columns: [position]}", "output_command": "{columns: [command]}"}
+    signals = load(path, import_map=write_map(tmp_path, columns)).signals
     assert signals["output_position"].tolist() == [0.0, 0.5] and signals["output_command"].tolist() == [1.0, 2.0]
 
 
@@ -174,20 +171,17 @@ def test_unknown_map():
         ("position", None),
     ],
 )
-def test_a_header_that_tells_another_unit_than_the_map_is_warned_of(own, tmp_path, header, told):
+def test_a_header_that_tells_another_unit_than_the_map_is_warned_of(tmp_path, header, told):
     path = tmp_path / "drive.csv"
     path.write_text(f"t,{header},torque\n0.000,90,0\n0.001,91,5\n0.002,93,4\n")
-    text = (
-        "version: 1\ntime: {column: t, unit: s}\nsignals:\n"
-        "  motor_position: {columns: ['position.*'], unit: deg}\n  motor_torque: {columns: [torque]}\n"
-    )
-    warnings = load(path, import_map=own(text)).warnings
+    signals = {"motor_position": "{columns: ['position.*'], unit: deg}", "motor_torque": "{columns: [torque]}"}
+    warnings = load(path, import_map=write_map(tmp_path, signals)).warnings
     assert len(warnings) == (told is not None)
     for warning in warnings:
         assert warning.startswith(f"drive.csv: the column {header!r} is in rad by its name, but the map 'own' reads it")
         assert "in deg; write `unit: rad` into the map" in warning
-    converted = text.replace("unit: deg", "factor: 57.3")  # what a map converts by itself is its own business
-    assert load(path, import_map=own(converted, "converted.yaml")).warnings == ()
+    signals["motor_position"] = "{columns: ['position.*'], factor: 57.3}"  # its own conversion is a map's own business
+    assert load(path, import_map=write_map(tmp_path, signals)).warnings == ()
 
 
 @pytest.mark.parametrize(
@@ -199,14 +193,12 @@ def test_a_header_that_tells_another_unit_than_the_map_is_warned_of(own, tmp_pat
     ],
 )
 def test_a_column_that_a_file_lacks_is_named_for_what_needs_it(tmp_path, header, told):
-    (tmp_path / "own.yaml").write_text(
-        "version: 1\ntime: {column: '^t$', unit: s}\nsignals:\n"
-        "  motor_torque: {columns: [tau], unit: N m}\n  motor_position: {columns: [q], unit: rad}\n"
-    )
+    signals = {"motor_torque": "{columns: [tau], unit: N m}", "motor_position": "{columns: [q], unit: rad}"}
+    own = write_map(tmp_path, signals, "time: {column: '^t$', unit: s}")
     cells = header.count(",") + 1
     rows = [",".join([f"{row}.5"] * cells) for row in range(5)]
     (tmp_path / "run.csv").write_text("\n".join([header, *rows, ""]))
-    recording = load(tmp_path / "run.csv", import_map=tmp_path / "own.yaml")
+    recording = load(tmp_path / "run.csv", import_map=own)
     said = lacked_columns(recording, ("current", "motor_torque"))
     assert said.startswith(told) and bool(said) == bool(told)
     assert ("'q'" in lacked_columns(recording, ("motor_position",))) == ("q" not in header)

@@ -3,20 +3,16 @@
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.traces.trace_table import read_table
+from tests.trace_text import read_text
 
 KEYS = "Version; 0x03050000\nName; Application.Trace\n0.Variable; Axis.Position\n0.Data; \n; 2; 25\n; 22; 26\n"
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
 def test_a_trace_of_keys_and_values_is_refused_by_name(end, tmp_path):
-    trace = tmp_path / "trace.csv"
-    trace.write_bytes(f"[key]; [value]\n{KEYS}".replace("\n", end).encode())
     with pytest.raises(InputError, match=r"is a trace of CODESYS .* one column for the time and one for each variable"):
-        read_table(trace)
+        read_text(tmp_path, f"[key]; [value]\n{KEYS}".replace("\n", end).encode())
 
 
 def test_a_table_with_a_column_named_key_is_read(tmp_path):
-    trace = tmp_path / "trace.csv"
-    trace.write_text("key;value\n1;2\n2;3\n")
-    assert read_table(trace).header == ["key", "value"]
+    assert read_text(tmp_path, "key;value\n1;2\n2;3\n").header == ["key", "value"]

@@ -4,20 +4,27 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.traces.trace_table import all_columns, read_table
+from ema_bench_replay.traces.trace_table import all_columns
+from tests.trace_text import read_text
 
 ROWS = "".join(f"{row * 0.01:.2f};{row * 0.1:.1f};{row % 7}\n" for row in range(30))
 
 
 def read(tmp_path, end, header="t;pos;cur", needed=all_columns, rows=ROWS):
-    (tmp_path / "run.csv").write_text(f"{header}\n{rows}{end}")
-    return read_table(tmp_path / "run.csv", needed=needed)
+    return read_text(tmp_path, f"{header}\n{rows}{end}", needed=needed)
 
 
 def test_one_is_named_with_its_column(tmp_path):
     table = read(tmp_path, "0.30;3.0;NaN\n")
     said = "run.csv: line 32: the last row is left out, since its column 'cur' holds 'NaN', which is no number"
     assert table.warnings == (said,) and len(table.columns[0]) == 30
+
+
+def test_those_that_a_block_begins_with_are_the_last_too(tmp_path, monkeypatch):
+    """They were told as the first rows of the text."""
+    monkeypatch.setattr("ema_bench_replay.traces.text_blocks._BLOCK", len(f"t;pos;cur\n{ROWS}"))
+    (said,) = read(tmp_path, "0.30;3.0;NaN\n").warnings
+    assert said.startswith("run.csv: line 32: the last row is left out")
 
 
 @pytest.mark.parametrize("end", ["0.30;3.0;NaN\n", "0.30;3.0;\n", "-1.#IO;x;y\n"])

@@ -4,9 +4,8 @@ import pytest
 
 from ema_bench_replay.load import load
 from ema_bench_replay.traces import text_blocks
-from ema_bench_replay.traces.trace_table import read_table
 from ema_bench_replay.traces.trace_writer import write_trace
-from tests.trace_text import HEADER, ROWS, SIEMENS
+from tests.trace_text import HEADER, ROWS, SIEMENS, read_text
 
 _ROWS = [f"{row}.0,{row}.5,{row}.25" for row in range(300)]
 
@@ -14,21 +13,16 @@ _ROWS = [f"{row}.0,{row}.5,{row}.25" for row in range(300)]
 @pytest.mark.parametrize("end", ["", "\r", "\n"])
 def test_a_carriage_return_without_a_line_feed_ends_a_row(tmp_path, end):
     """As Excel for Mac writes; the last row may lack it."""
-    path = tmp_path / "trace.csv"
-    path.write_bytes("\r".join(["time [s],motor position [rad],current [A]", *_ROWS]).encode() + end.encode())
-    table = read_table(path)
+    table = read_text(tmp_path, "\r".join(["time [s],motor position [rad],current [A]", *_ROWS]) + end)
     assert len(table.header) == 3 and table.columns[0].tolist() == list(range(300))
     assert table.warnings == ()
 
 
 def test_a_carriage_return_between_two_blocks_and_its_line_feed_end_one_row(tmp_path, monkeypatch):
-    rows = ["time,a b c", *(f"{row},{row}.5" for row in range(40))]
-    text = b"time [s],current [A]\r" + "\r\n".join(rows[1:]).encode() + b"\r\n"
-    path = tmp_path / "trace.csv"
-    path.write_bytes(text)
+    text = "time [s],current [A]\r" + "".join(f"{row},{row}.5\r\n" for row in range(40))
     for size in range(24, 40):
         monkeypatch.setattr(text_blocks, "_BLOCK", size)
-        table = read_table(path)
+        table = read_text(tmp_path, text)
         assert len(table.columns[0]) == 40 and table.warnings == ()
 
 
@@ -46,9 +40,8 @@ def test_a_line_break_in_a_quoted_cell_ends_no_row(tmp_path, delimiter, size, mo
     monkeypatch.setattr(text_blocks, "_BLOCK", size)
     cells = [[f"{row}.0", f'"said ""{row}""\n\nOK\n"', f'"{row}.25\n"'] for row in range(20)]
     lines = [["time [s]", "reply", "current [A]"], *cells]
-    path = tmp_path / "trace.csv"
-    path.write_text("\n".join(map(delimiter.join, lines)) + "\n", newline="\r\n")
-    table = read_table(path, delimiter, "english", needed=lambda header: (0, 2))
+    text = "".join(f"{delimiter.join(line)}\n" for line in lines).replace("\n", "\r\n")
+    table = read_text(tmp_path, text, delimiter=delimiter, number_format="english", needed=lambda header: (0, 2))
     assert table.header == ["time [s]", "reply", "current [A]"]
     assert table.columns[0].tolist() == list(range(20))
     assert table.columns[2].tolist() == [row + 0.25 for row in range(20)]
@@ -56,6 +49,5 @@ def test_a_line_break_in_a_quoted_cell_ends_no_row(tmp_path, delimiter, size, mo
 
 def test_a_quotation_mark_that_begins_no_cell_joins_no_rows(tmp_path):
     """Inches are written so."""
-    path = tmp_path / "trace.csv"
-    path.write_text('# screw of 5"\ntime [s],stroke ["],current [A]\n0,1,2\n1,2,3\n2,3,4\n')
-    assert [column.tolist() for column in read_table(path).columns] == [[0, 1, 2], [1, 2, 3], [2, 3, 4]]
+    table = read_text(tmp_path, '# screw of 5"\ntime [s],stroke ["],current [A]\n0,1,2\n1,2,3\n2,3,4\n')
+    assert [column.tolist() for column in table.columns] == [[0, 1, 2], [1, 2, 3], [2, 3, 4]]

@@ -15,6 +15,7 @@ from tests.bench_processes import HISTORY
 from tests.namespaces import ALONE, needs_own_network
 
 READER = """
+import sys, time
 import rclpy
 from ema_bench_replay.nodes import qos
 from ema_bench_replay.nodes.sample_codec import read_state
@@ -24,24 +25,14 @@ rclpy.init()
 node = rclpy.create_node("reader")
 def tell(message):
     print(read_state(message).sequence, flush=True)
-node.create_subscription(EmaState, "/stream", tell, qos.STATE, raw=True)
+def work(message):
+    time.sleep(0.0005)
+node.create_subscription(EmaState, "/stream", {"tell": tell, "work": work}[sys.argv[1]], qos.STATE, raw=True)
 executor = make_executor([node])
 while True:
     executor.spin_once(timeout_sec=0.2)
 """
-SLOW_READER = """
-import time
-import rclpy
-from ema_bench_replay.nodes import qos
-from ema_bench_replay.nodes.spin import make_executor
-from ema_twin_msgs.msg import EmaState
-rclpy.init()
-node = rclpy.create_node("reader")
-node.create_subscription(EmaState, "/stream", lambda message: time.sleep(0.0005), qos.STATE, raw=True)
-executor = make_executor([node])
-while True:
-    executor.spin_once(timeout_sec=0.2)
-"""
+"""Tells the numbers of the samples, or is slow with each."""
 BESIDE_IT = """
 import subprocess, sys, time
 from pathlib import Path
@@ -50,14 +41,14 @@ loopback.keep_to_this_machine()
 from ema_bench_replay.nodes import qos
 from ema_bench_replay.nodes.keep_all_publisher import KeepAllPublisher
 from ema_twin_msgs.msg import EmaState
-from tests.replay.test_lost_packets import HISTORY, SLOW_READER, send
+from tests.replay.test_lost_packets import HISTORY, READER, send
 from tests.ros_graph import Graph
 def sent_bytes():
     (line,) = (line for line in Path("/proc/net/dev").read_text().splitlines() if line.strip().startswith("lo:"))
     return int(line.partition(":")[2].split()[0])
 graph = Graph()
 publisher = KeepAllPublisher(graph.plain_node("writer"), EmaState, "/stream", qos.STATE)
-reader = subprocess.Popen([sys.executable, "-c", SLOW_READER])
+reader = subprocess.Popen([sys.executable, "-c", READER, "work"])
 try:
     graph.spin_until(lambda: publisher.readers == 1)
     send(publisher, HISTORY)
@@ -87,7 +78,7 @@ FEW = 8
 def test_what_was_dropped_comes_without_a_halt(graph):
     """A burst of nearly all samples that are kept is more than the kernel's buffer of a process that stands still."""
     publisher = KeepAllPublisher(graph.plain_node("writer"), EmaState, "/stream", qos.STATE)
-    reader = subprocess.Popen([sys.executable, "-c", READER], stdout=subprocess.PIPE, text=True)
+    reader = subprocess.Popen([sys.executable, "-c", READER, "tell"], stdout=subprocess.PIPE, text=True)
     try:
         graph.spin_until(lambda: publisher.readers == 1)
         for _ in range(4):  # how far the kernel's buffer is from full is chance

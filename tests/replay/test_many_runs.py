@@ -12,6 +12,7 @@ from ema_bench_replay.traces.run_columns import count_of_runs, run_columns
 from ema_twin_sim.health import MotionRecord
 from ema_twin_sim.model import load_model
 from ema_twin_sim.model.matching import matched
+from tests.trace_text import write_map
 
 HEADER = "sequence,test,time [s],set_point [mm],position_error [mm],current [A]"
 ROWS = [
@@ -72,20 +73,16 @@ def test_a_map_without_runs_reads_one(tmp_path):
 
 
 def test_only_currents_and_torques_may_be_magnitudes(tmp_path):
-    path = tmp_path / "map.yaml"
-    path.write_text("version: 1\ntime: {column: t, unit: s}\nsignals: {speed: {columns: [v], magnitude: true}}\n")
+    own = write_map(tmp_path, {"speed": "{columns: [v], magnitude: true}"})
     with pytest.raises(InputError, match="magnitude"):
-        load_map(path)
+        load_map(own)
 
 
 def test_how_to_read_a_file_of_many_runs_is_told_where_its_time_goes_back(tmp_path):
     path = trace(tmp_path)
     with pytest.raises(InputError, match=r"one run; ema-twin campaign reads each by itself, as .*run: sequence"):
         load(path, import_map="cranfield_ball_screw")
-    plain = tmp_path / "plain.yaml"
-    plain.write_text(
-        "version: 1\ntime: {column: 'time.*', unit: s}\nsignals: {current: {columns: [current.*], unit: A}}\n"
-    )
+    plain = write_map(tmp_path, {"current": "{columns: [current.*], unit: A}"}, "time: {column: 'time.*', unit: s}")
     with pytest.raises(InputError, match=r"one run; or, with `run: sequence` in the import map, ema-twin campaign"):
         load(path, import_map=plain)
 

@@ -5,18 +5,16 @@ import pytest
 
 from ema_bench_replay.errors import InputError, TimeGoesBackError
 from ema_bench_replay.load import load
-from ema_bench_replay.traces.trace_table import read_table
 from tests.one_line import refused_in_one_line
-from tests.trace_text import write_columns
+from tests.trace_text import read_text, write_columns, write_map
 
-MAP = "version: 1\ntime: {column: time, unit: s}\nsignals:\n  current: {columns: [current], unit: A}\n"
+SIGNALS, CLOCK = {"current": "{columns: [current], unit: A}"}, "time: {column: time, unit: s}"
 TIME = np.arange(50) * 0.01
 
 
 def read(tmp_path, time):
-    (tmp_path / "map.yaml").write_text(MAP)
     file = write_columns(tmp_path / "run.csv", {"time": time, "current": np.sin(np.arange(len(time)))})
-    return load(file, import_map=tmp_path / "map.yaml")
+    return load(file, import_map=write_map(tmp_path, SIGNALS, CLOCK))
 
 
 @pytest.mark.parametrize("time", [TIME[::-1], np.repeat(TIME[::-1], 2), TIME[:3][::-1]])
@@ -37,28 +35,24 @@ def test_one_that_also_rises_holds_more_than_one_run(tmp_path, time):
 @pytest.mark.parametrize("size", [2_000, 200_000])
 def test_random_bytes_are_no_text(tmp_path, seed, size):
     """Their rows had the wrong number of cells."""
-    file = tmp_path / "random.csv"
-    file.write_bytes(np.random.default_rng(seed).bytes(size))
     with pytest.raises(InputError, match="is no text; give the drive's trace exported as CSV"):
-        read_table(file)
+        read_text(tmp_path, np.random.default_rng(seed).bytes(size))
 
 
 def test_numbers_of_a_computers_memory_are_no_text_either(tmp_path):
-    file = tmp_path / "memory.csv"
-    file.write_bytes(b"time,current\n" + np.linspace(0.0, 1.0, 3000).tobytes() + b"\n")
     with pytest.raises(InputError, match="is no text"):
-        read_table(file)
+        read_text(tmp_path, b"time,current\n" + np.linspace(0.0, 1.0, 3000).tobytes() + b"\n")
 
 
 @pytest.mark.parametrize("kind", ["csv", "txt", "tsv", "dat", "asc", "log", "DAT"])
 def test_a_text_is_read_whatever_its_name_ends_in_and_a_binary_file_is_refused(tmp_path, kind):
     file = tmp_path / f"run.{kind}"
-    (tmp_path / "map.yaml").write_text(MAP)
+    own = write_map(tmp_path, SIGNALS, CLOCK)
     file.write_text("time current\n" + "".join(f"{time:.3f} {time:.1f}\n" for time in TIME))
-    assert len(load(file, import_map=tmp_path / "map.yaml")) == len(TIME)
+    assert len(load(file, import_map=own)) == len(TIME)
     file.write_bytes(b"MDF     3.00" + bytes(range(256)) * 40)
     with refused_in_one_line(file, "is no text; give the drive's trace exported as CSV"):
-        load(file, import_map=tmp_path / "map.yaml")
+        load(file, import_map=own)
 
 
 ROWS = "".join(f"{k},{k * k}\n" for k in range(40))
@@ -78,6 +72,4 @@ ROWS = "".join(f"{k},{k * k}\n" for k in range(40))
     ],
 )
 def test_texts_of_any_encoding_are_text(tmp_path, content):
-    file = tmp_path / "run.csv"
-    file.write_bytes(content)
-    assert len(read_table(file, needed=lambda header: ()).columns[0]) >= 40
+    assert len(read_text(tmp_path, content, needed=lambda header: ()).columns[0]) >= 40

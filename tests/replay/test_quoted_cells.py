@@ -4,39 +4,34 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.traces.quoted_cells import with_marks_hidden, with_marks_shown
-from ema_bench_replay.traces.trace_table import read_table
-
-
-def read(tmp_path, text, **options):
-    (tmp_path / "run.csv").write_text(text)
-    return read_table(tmp_path / "run.csv", **options)
+from tests.trace_text import read_text
 
 
 @pytest.mark.parametrize("mark", [",", ";", "\t"])
 def test_names_may_hold_the_separator(tmp_path, mark):
     names = [f"Time{mark} relative [s]", f"Speed{mark} motor [rpm]", "Current [A]"]
     rows = "".join(mark.join((f"{k * 0.01:.2f}", f"{k}.5", "-0.1")) + "\n" for k in range(20))
-    table = read(tmp_path, mark.join(f'"{name}"' for name in names) + "\n" + rows)
+    table = read_text(tmp_path, mark.join(f'"{name}"' for name in names) + "\n" + rows)
     assert table.header == names
     assert np.array_equal(table.columns[1], np.arange(20) + 0.5)
 
 
 def test_words_in_rows_may_hold_the_separator(tmp_path):
     rows = "".join(f'{k * 0.01:.2f},"moving, fast",{k}\n' for k in range(20))
-    table = read(tmp_path, f"time [s],state,position [rad]\n{rows}", needed=lambda header: (0, 2))
+    table = read_text(tmp_path, f"time [s],state,position [rad]\n{rows}", needed=lambda header: (0, 2))
     assert np.array_equal(table.columns[2], np.arange(20))
 
 
 def test_quoted_numbers_keep_their_decimal_commas(tmp_path):
     rows = "".join(f'"{k},5","{k * 2},25"\n' for k in range(20))
-    table = read(tmp_path, f'"time [s]","speed, of the motor [rpm]"\n{rows}')
+    table = read_text(tmp_path, f'"time [s]","speed, of the motor [rpm]"\n{rows}')
     assert table.header[1] == "speed, of the motor [rpm]"
     assert np.array_equal(table.columns[1], np.arange(20) * 2 + 0.25)
 
 
 def test_a_mark_for_inches_opens_no_quotation(tmp_path):
     rows = "".join(f"{k * 0.01:.2f},{k},{k}\n" for k in range(20))
-    table = read(tmp_path, f'time [s],stroke 5",stroke 3"\n{rows}')
+    table = read_text(tmp_path, f'time [s],stroke 5",stroke 3"\n{rows}')
     assert len(table.header) == 3
 
 

@@ -6,16 +6,19 @@ import pytest
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from tests.command_line import done
-
-MAP = "version: 1\ntime: {column: time .*, unit: s}\nsignals:\n  motor_position: {columns: [angle .*]}\n"
+from tests.trace_text import write_map
 
 
 def written(tmp_path, time):
-    """A log of a shaft that turns by 0.01 rad a row, and its map."""
+    """A log of a shaft that turns by 0.01 rad a row."""
     rows = [f"{t:.4f},{0.01 * k:.4f},{0.5:.1f}" for k, t in enumerate(time)]
     (tmp_path / "log.csv").write_text("\n".join(["time [s],angle [rad],torque [N m]", *rows]) + "\n")
-    (tmp_path / "map.yaml").write_text(MAP)
     return tmp_path / "log.csv"
+
+
+def read(tmp_path, time):
+    own = write_map(tmp_path, {"motor_position": "{columns: [angle .*]}"}, "time: {column: time .*, unit: s}")
+    return load(written(tmp_path, time), import_map=own)
 
 
 def clock(count, stopped, every=0):
@@ -28,7 +31,7 @@ def clock(count, stopped, every=0):
 
 @pytest.mark.parametrize("every", [0, 25])
 def test_rows_after_the_clock_stopped_are_left_out_and_said(tmp_path, every):
-    recording = load(written(tmp_path, clock(300, 120, every)), import_map=tmp_path / "map.yaml")
+    recording = read(tmp_path, clock(300, 120, every))
     said = (
         "log.csv: the clock stops in line 301, at 2.99 s: the 120 rows below it, which tell the same time, are left out"
     )
@@ -44,12 +47,12 @@ def test_rows_after_the_clock_stopped_are_left_out_and_said(tmp_path, every):
 
 def test_a_clock_that_stood_most_of_the_time_is_refused_with_what_to_cut(tmp_path):
     with pytest.raises(InputError, match=r"line 102: .*time stops .*all 150 rows from here on tell the same: cut them"):
-        load(written(tmp_path, clock(100, 150)), import_map=tmp_path / "map.yaml")
+        read(tmp_path, clock(100, 150))
 
 
 def test_a_clock_that_is_too_coarse_throughout_needs_decimals(tmp_path):
     with pytest.raises(InputError, match=r"200 of 400 rows do: export it with more decimals"):
-        load(written(tmp_path, np.repeat(np.arange(200) * 0.01, 2)), import_map=tmp_path / "map.yaml")
+        read(tmp_path, np.repeat(np.arange(200) * 0.01, 2))
 
 
 def test_init_drafts_from_such_a_log(tmp_path):

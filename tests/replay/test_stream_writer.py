@@ -8,50 +8,41 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-import yaml
-from mcap.reader import make_reader
 from mcap.writer import CompressionType
 from rosbags.highlevel import AnyReader
 
 from ema_bench_replay.bags.bag_metadata import STATE_QOS
-from ema_bench_replay.bags.cdr import parse, serialise
 from ema_bench_replay.bags.recover import recover
 from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import NO_DATE
-from tests.bags import DEFINITION, STATE, assert_same, some_samples, write_other
+from tests.bags import STATE, assert_same, listed_in, serialised, some_samples, summary_of, write_other
 from tests.command_line import done_here
 
 
 class TestStreamWriter:
     def test_other_tools_read_it(self, tmp_path):
         writer = StreamWriter(tmp_path / "live")
-        types, root = parse(DEFINITION, STATE)
         writer.add_topic("/bench/state", STATE, STATE_QOS)
         writer.add_topic("/twin/state", STATE, STATE_QOS + "\n" + STATE_QOS)
-        for k in range(3000):
-            header = {"stamp": {"sec": 1, "nanosec": 0}, "frame_id": "x"}
-            data = serialise(types, root, {"header": header, "sequence": k})
-            writer.write(("/bench/state", "/twin/state")[k % 2], data, NO_DATE + k * 1_000_000, sequence=k)
+        for k, (message, _) in enumerate(serialised(some_samples(3000))):
+            writer.write(("/bench/state", "/twin/state")[k % 2], message, NO_DATE + k * 1_000_000, sequence=k)
         assert writer.finish() == {"/bench/state": 1500, "/twin/state": 1500}
         with AnyReader([tmp_path / "live"]) as reader:
             times = [(time, reader.deserialize(data, c.msgtype).sequence) for c, time, data in reader.messages()]
         assert times == [(NO_DATE + k * 1_000_000, k) for k in range(3000)]
-        with (tmp_path / "live" / "live.mcap").open("rb") as file:
-            chunks = make_reader(file).get_summary().chunk_indexes
+        chunks = summary_of(tmp_path / "live" / "live.mcap").chunk_indexes
         assert len(chunks) >= 30 and all(c.message_end_time - c.message_start_time < 1e8 for c in chunks)
 
     def test_a_topic_that_nobody_offers_yet(self, tmp_path):
         writer = StreamWriter(tmp_path / "live")
         writer.add_topic("/empty", "std_msgs/msg/Header", "")
         assert writer.finish() == {"/empty": 0}
-        [topic] = yaml.safe_load((tmp_path / "live" / "metadata.yaml").read_text())["rosbag2_bagfile_information"][
-            "topics_with_message_count"
-        ]
+        [topic] = listed_in(tmp_path / "live")["topics_with_message_count"]
         assert topic["topic_metadata"]["offered_qos_profiles"] == []
-        with (tmp_path / "live" / "live.mcap").open("rb") as file:
-            assert [channel.topic for channel in make_reader(file).get_summary().channels.values()] == ["/empty"]
+        channels = summary_of(tmp_path / "live" / "live.mcap").channels.values()
+        assert [channel.topic for channel in channels] == ["/empty"]
 
     @pytest.mark.slow
     def test_a_killed_writer_loses_a_quarter_of_a_second_and_the_rest_is_recovered(self, tmp_path):
@@ -91,8 +82,7 @@ for k in itertools.count():
         assert_same(load(tmp_path / "live"), replace(recording, name="live_recovered", warnings=()))
         assert found.messages == {"/bench/state": len(recording)}
         assert_same(load(tmp_path / "whole.mcap"), replace(recording, name="whole", warnings=()))
-        with (tmp_path / "whole.mcap").open("rb") as file:
-            assert make_reader(file).get_summary().statistics.message_count == len(recording)
+        assert summary_of(tmp_path / "whole.mcap").statistics.message_count == len(recording)
         with AnyReader([tmp_path / "whole.mcap"]) as reader:
             assert sum(1 for _ in reader.messages()) == len(recording)
 

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.traces.number_format import ENGLISH, GERMAN
-from ema_bench_replay.traces.trace_table import read_table
-from tests.trace_text import HEADER, ROWS, SIEMENS, refused
+from tests.trace_text import HEADER, ROWS, SIEMENS, read_text, refused
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1", "utf-16", "utf-16-le"])
@@ -53,12 +52,10 @@ def test_number_formats_and_delimiters(trace, delimiter, cells):
 def test_the_number_of_rows_decides_nothing(tmp_path, columns, delimiter):
     """The names hold blanks, and the rows go on behind the lines among which the first row of numbers must be."""
     names = ["time [s]", "motor speed [rad/s]", "motor current [A]", "motor position [rad]", "bus [V]", "case [degC]"]
-    path = tmp_path / "trace.csv"
     header = delimiter.join(names[:columns])
     for rows in range(195, 231):
         cells = [delimiter.join(f"{row + 0.25 * column:.5f}" for column in range(columns)) for row in range(rows)]
-        path.write_text("\n".join([header, *cells, ""]))
-        table = read_table(path)
+        table = read_text(tmp_path, "\n".join([header, *cells, ""]))
         assert table.header == names[:columns]
         assert [len(column) for column in table.columns] == [rows] * columns
         assert [column[-1] for column in table.columns] == [rows - 1 + 0.25 * column for column in range(columns)]
@@ -66,9 +63,7 @@ def test_the_number_of_rows_decides_nothing(tmp_path, columns, delimiter):
 
 @pytest.mark.parametrize("rows", [1, 198, 199, 200, 201, 230])
 def test_columns_of_blanks_are_read_with_any_number_of_rows(tmp_path, rows):
-    path = tmp_path / "trace.txt"
-    path.write_text("\n".join(["time speed current", *(f"{row} {row}.5 {row}.25" for row in range(rows)), ""]))
-    table = read_table(path)
+    table = read_text(tmp_path, "time speed current\n" + "".join(f"{row} {row}.5 {row}.25\n" for row in range(rows)))
     assert table.header == ["time", "speed", "current"]
     assert table.columns[2].tolist() == [row + 0.25 for row in range(rows)]
 
@@ -77,17 +72,14 @@ def test_columns_of_blanks_are_read_with_any_number_of_rows(tmp_path, rows):
     "word", ["ticks", "tick", "Counts", "pulses", "increments", "Inkremente", "steps", "raw", "rpm"]
 )
 def test_a_row_of_units_is_known_by_its_words(tmp_path, word):
-    path = tmp_path / "trace.csv"
-    path.write_text(f"Time;Position;Speed\nms;{word};rad/s\n0;1;2\n1;2;2\n")
-    assert read_table(path).header == ["Time [ms]", f"Position [{word}]", "Speed [rad/s]"]
+    table = read_text(tmp_path, f"Time;Position;Speed\nms;{word};rad/s\n0;1;2\n1;2;2\n")
+    assert table.header == ["Time [ms]", f"Position [{word}]", "Speed [rad/s]"]
 
 
 @pytest.mark.parametrize("end", ["", ";"])
 def test_units_between_names_and_short_names_are_those_of_the_names(tmp_path, end):
-    path = tmp_path / "trace.csv"
     rows = ["Time;Set speed;Position", "ms;rad/s;ticks", "t;m1setvel;m1pos", "0;1;2", "1;2;2"]
-    path.write_text("".join(f"{row}{end}\n" for row in rows))
-    table = read_table(path)
+    table = read_text(tmp_path, "".join(f"{row}{end}\n" for row in rows))
     assert table.header == ["Time [ms]", "Set speed [rad/s]", "Position [ticks]"]
     assert [column.tolist() for column in table.columns] == [[0.0, 1.0], [1.0, 2.0], [2.0, 2.0]]
     assert table.line(0) == 4
@@ -96,9 +88,8 @@ def test_units_between_names_and_short_names_are_those_of_the_names(tmp_path, en
 @pytest.mark.parametrize("above", ["", "Motor;Motor;Motor\n"])
 def test_names_below_their_units_have_these(tmp_path, above):
     """A line of groups above them names no column."""
-    path = tmp_path / "trace.csv"
-    path.write_text(f"{above}ms;rad/s;ticks\nt;speed;position\n0;1;2\n1;2;2\n")
-    assert read_table(path).header == ["t [ms]", "speed [rad/s]", "position [ticks]"]
+    table = read_text(tmp_path, f"{above}ms;rad/s;ticks\nt;speed;position\n0;1;2\n1;2;2\n")
+    assert table.header == ["t [ms]", "speed [rad/s]", "position [ticks]"]
 
 
 def test_thousands_in_a_german_file_are_not_decimals(trace):
@@ -121,18 +112,15 @@ def test_time_tells_what_a_mark_means(trace):
 )
 def test_only_a_whole_number_tells_the_decimal_mark(tmp_path, words):
     """The commas of a list in a cell are no decimal marks."""
-    path = tmp_path / "run.csv"
     rows = [f"on,{row}.5,{words.format(*[10 + row, 20 + row, 30 + row])}" for row in range(9)]
-    path.write_text("\n".join(["state,time [s],note", *rows, "on,9.75,-", ""]))
-    table = read_table(path, needed=lambda header: (1,))
+    text = "\n".join(["state,time [s],note", *rows, "on,9.75,-", ""])
+    table = read_text(tmp_path, text, needed=lambda header: (1,))
     assert table.columns[1].tolist() == [*(row + 0.5 for row in range(9)), 9.75]
 
 
 @pytest.mark.parametrize("cell", ["1,5e-3", "-0,25", "1.234,5", ",5"])
 def test_a_number_of_any_shape_tells_it(tmp_path, cell):
-    path = tmp_path / "run.csv"
-    path.write_text(f"a;b\n812.347;{cell}\n812.348;{cell}\n")
-    table = read_table(path)
+    table = read_text(tmp_path, f"a;b\n812.347;{cell}\n812.348;{cell}\n")
     assert table.columns[0].tolist() == [812347.0, 812348.0] and table.warnings == ()
 
 
@@ -166,11 +154,9 @@ def test_numbers_of_any_size_survive(tmp_path_factory, whole, decimals, form):
     exact = [number / 10**decimals for number in whole]
     english = [f"{value:,.{decimals}f}" for value in exact]
     marks = str.maketrans(",.", form.thousands + form.decimal)
-    path = tmp_path_factory.mktemp("numbers") / "run.csv"
     # The second column settles the format, whatever the numbers are.
     rows = [f"{text.translate(marks)};0{form.decimal}0001;" for text in english]
-    path.write_text("\n".join(["a;b;", *rows, ""]))
-    values = read_table(path).columns[0]
+    values = read_text(tmp_path_factory.mktemp("numbers"), "\n".join(["a;b;", *rows, ""])).columns[0]
     plain = [float(text.replace(",", "")) for text in english]
     assert values.tolist() == plain == [form.value(text.translate(marks)) for text in english]
 
@@ -179,15 +165,14 @@ def test_numbers_of_any_size_survive(tmp_path_factory, whole, decimals, form):
 @given(st.text(alphabet="0123456789.,+-eE", min_size=1, max_size=12))
 @settings(max_examples=500, deadline=None)
 def test_the_fast_path_accepts_no_more_than_the_careful_one(tmp_path_factory, cell):
-    path = tmp_path_factory.mktemp("cells") / "run.csv"
-    path.write_text(f"a;b;\n{cell};0,0001;\n{cell};0,0001;\n")
+    folder, text = tmp_path_factory.mktemp("cells"), f"a;b;\n{cell};0,0001;\n{cell};0,0001;\n"
     try:
         expected = GERMAN.value(cell)
     except ValueError:
         with pytest.raises(InputError):
-            read_table(path)
+            read_text(folder, text)
     else:
-        assert read_table(path, number_format="german").columns[0].tolist() == [expected, expected]
+        assert read_text(folder, text, number_format="german").columns[0].tolist() == [expected, expected]
 
 
 def test_other_delimiters_are_read_where_a_map_names_them(trace, tmp_path):

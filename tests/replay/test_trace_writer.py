@@ -12,7 +12,9 @@ from ema_bench_replay.recording import POINTS, Recording
 from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.traces.trace_csv import read_trace
 from ema_bench_replay.traces.trace_writer import write_trace
-from tests.trace_text import HEADER, SIEMENS
+from tests.trace_text import HEADER, SIEMENS, write_map
+
+SPEED_AND_CURRENT = {"speed": "{columns: ['speed .*']}", "current": "{columns: ['current .*']}"}
 
 
 def original_and_written(path, tmp_path):
@@ -75,12 +77,6 @@ def test_an_existing_trace_is_not_overwritten(trace):
     write_trace(load(path), path, SIEMENS, force=True)
 
 
-def own_map(folder, text):
-    path = folder / "own.yaml"
-    path.write_text("version: 1\n" + text)
-    return load_map(path)
-
-
 def assert_same_recording(one, other):
     assert np.array_equal(one.stamps, other.stamps) and list(one.signals) == list(other.signals)
     for name, values in one.signals.items():
@@ -90,8 +86,7 @@ def assert_same_recording(one, other):
 def test_decimals_that_the_first_rows_do_not_show_are_kept(tmp_path):
     rows = [f"{k},0,1" for k in range(60)] + ["59.987654321,0.123456789012,2.5e-7", "60.5,1e-9,1e3"]
     (tmp_path / "points.csv").write_text("\n".join(["time [s],speed [rad/s],current [A]", *rows, ""]))
-    signals = "signals:\n  speed: {columns: ['speed .*']}\n  current: {columns: ['current .*']}\n"
-    own = own_map(tmp_path, r"operating_points: true" "\n" r"time: {column: 'time \[s\]', unit: s}" "\n" + signals)
+    own = load_map(write_map(tmp_path, SPEED_AND_CURRENT, "operating_points: true\ntime: {column: 'time .*', unit: s}"))
     recording = read_trace(tmp_path / "points.csv", own)
     write_trace(recording, tmp_path / "back.csv", own)
     assert_same_recording(recording, read_trace(tmp_path / "back.csv", own))
@@ -99,8 +94,7 @@ def test_decimals_that_the_first_rows_do_not_show_are_kept(tmp_path):
 
 def test_points_without_time_are_written_without(tmp_path):
     (tmp_path / "curve.csv").write_text("current [A];speed [rad/s]\n0,1;1\n0,25;2,5\n")
-    signals = "signals:\n  speed: {columns: ['speed .*']}\n  current: {columns: ['current .*']}\n"
-    own = own_map(tmp_path, "operating_points: true\n" + signals)
+    own = load_map(write_map(tmp_path, SPEED_AND_CURRENT, "operating_points: true"))
     recording = read_trace(tmp_path / "curve.csv", own)
     write_trace(recording, tmp_path / "back.csv", own)
     assert (tmp_path / "back.csv").read_text() == "current [A];speed [rad/s]\n0,10;1,0\n0,25;2,5\n"
@@ -119,10 +113,9 @@ def test_a_unit_in_the_header_of_the_time_holds_for_what_is_written(tmp_path):
 
 @pytest.mark.parametrize("form", ["delimiter: ','", "number_format: english", "delimiter: tab"])
 def test_what_no_trace_was_read_for_is_written_so_that_its_map_reads_it(tmp_path, form):
-    signals = (
-        r"time: {column: 't \[ms\]', unit: ms}" "\n" r"signals: {motor_position: {columns: ['path \[mm\]'], unit: mm}}"
-    )
-    own = own_map(tmp_path, f"motion: linear\n{form}\n{signals}\n")
+    clock = r"time: {column: 't \[ms\]', unit: ms}"
+    signals = {"motor_position": r"{columns: ['path \[mm\]'], unit: mm}"}
+    own = load_map(write_map(tmp_path, signals, f"motion: linear\n{form}\n{clock}"))
     positions = np.cumsum(np.random.default_rng(2).normal(size=40)) * 1e-5
     recording = Recording("made", np.arange(40) * 125_000, {"motor_position": positions - positions[0]})
     write_trace(recording, tmp_path / "made.csv", own)

@@ -6,7 +6,7 @@ import pytest
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.traces.wrapped_angle import unwrapped
-from tests.trace_text import write_columns
+from tests.trace_text import write_columns, write_map
 
 TIME = np.arange(1500) * 2e-3
 WAY = 40.0 * np.sin(1.5 * TIME)  # rad, farther than 25
@@ -18,10 +18,9 @@ def wrapped(way, period):
 
 def read(tmp_path, values, keys, motion="rotary"):
     write_columns(tmp_path / "run.csv", {"time": TIME, "angle": values})
-    line = f"motor_position: {{columns: [angle], {keys}}}"
-    text = f"version: 1\nmotion: {motion}\ntime: {{column: time, unit: s}}\nsignals:\n  {line}\n"
-    (tmp_path / "map.yaml").write_text(text)
-    return load(tmp_path / "run.csv", import_map=tmp_path / "map.yaml")
+    signals = {"motor_position": f"{{columns: [angle], {keys}}}"}
+    own = write_map(tmp_path, signals, f"motion: {motion}\ntime: {{column: time, unit: s}}")
+    return load(tmp_path / "run.csv", import_map=own)
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import pytest
 from ema_bench_replay import long_columns
 from ema_bench_replay.errors import TimeGoesBackError
 from ema_bench_replay.load import load
-from tests.trace_text import write_columns
+from tests.trace_text import write_columns, write_map
 
 STEPS = 2.1 + 0.05 * np.random.default_rng(4).standard_normal(2000)  # ms, of a loop that nothing clocks
 TIME = 0.076 + np.cumsum(STEPS)
@@ -15,11 +15,10 @@ TIME = 0.076 + np.cumsum(STEPS)
 @pytest.fixture
 def read(tmp_path):
     def read(time, unit="ms"):
-        (tmp_path / "map.yaml").write_text(
-            f"version: 1\ntime: {{column: time, unit: {unit}}}\nsignals:\n  current: {{columns: [current], unit: A}}\n"
-        )
+        clock = f"time: {{column: time, unit: {unit}}}"
+        own = write_map(tmp_path, {"current": "{columns: [current], unit: A}"}, clock)
         file = write_columns(tmp_path / "run.csv", {"time": time, "current": np.sin(np.arange(len(time)))})
-        return load(file, import_map=tmp_path / "map.yaml")
+        return load(file, import_map=own)
 
     return read
 

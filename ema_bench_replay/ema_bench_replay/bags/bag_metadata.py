@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
-from textwrap import indent
-from typing import NamedTuple
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import yaml
+
+from ema_bench_replay.bags.definitions import message_definition
 
 _INFINITE = "\n    sec: 9223372036\n    nsec: 854775807"
 
@@ -15,9 +18,7 @@ class Topic(NamedTuple):
 
     name: str
     type_name: str
-    type_hash: str
-    qos: str
-    messages: int
+    qos: str  # rosbag2's offered_qos_profiles (YAML): one or several
 
 
 def qos_profile(*, reliability: str, durability: str, history: str = "keep_last", depth: int = 10) -> str:
@@ -43,41 +44,40 @@ class FileOfBag(NamedTuple):
     messages: int
 
 
-def metadata_yaml(files: Sequence[FileOfBag], topics: Sequence[Topic]) -> str:
-    """Text of metadata.yaml for a bag of these files, in the order in which they are played."""
+def metadata_yaml(files: Sequence[FileOfBag], topics: Mapping[Topic, int]) -> str:
+    """Text of metadata.yaml for a bag of these files, in the order in which they are played, and messages by topic."""
     held = [file for file in files if file.messages] or files[:1]
     first, last = min((file.first for file in held), default=0), max((file.last for file in held), default=0)
-    names = [json.dumps(file.name) for file in files]  # quoted, since a file may be called anything
-    listed = "".join(
-        f"- path: {name}\n{indent(_span(file.first, file.last, file.messages), '  ')}"
-        for name, file in zip(names, files, strict=True)
-    )
-    return (
-        "rosbag2_bagfile_information:\n  version: 9\n  storage_identifier: mcap\n"
-        + indent(_span(first, last, sum(file.messages for file in files)), "  ")
-        + f"  topics_with_message_count:{_listed(''.join(_topic(topic) for topic in topics))}"
-        + '  compression_format: ""\n  compression_mode: ""\n'
-        + f"  relative_file_paths:{_listed(''.join(f'- {name}' + chr(10) for name in names))}"
-        + f"  files:{_listed(listed)}"
-        + "  custom_data: ~\n  ros_distro: jazzy\n"
-    )
+    information = {
+        "version": 9,
+        "storage_identifier": "mcap",
+        **_span(first, last, sum(file.messages for file in files)),
+        "topics_with_message_count": [_described(topic, count) for topic, count in topics.items()],
+        "compression_format": "",
+        "compression_mode": "",
+        "relative_file_paths": [file.name for file in files],
+        "files": [{"path": file.name, **_span(file.first, file.last, file.messages)} for file in files],
+        "custom_data": None,
+        "ros_distro": "jazzy",
+    }
+    content = {"rosbag2_bagfile_information": information}
+    return yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=math.inf)
 
 
-def _listed(lines: str) -> str:
-    return "\n" + indent(lines, "    ") if lines else " []\n"
+def _span(first: int, last: int, messages: int) -> dict[str, Any]:
+    return {
+        "starting_time": {"nanoseconds_since_epoch": first},
+        "duration": {"nanoseconds": last - first},
+        "message_count": messages,
+    }
 
 
-def _span(first: int, last: int, messages: int) -> str:
-    return (
-        f"starting_time:\n  nanoseconds_since_epoch: {first}\nduration:\n  nanoseconds: {last - first}\n"
-        f"message_count: {messages}\n"
-    )
-
-
-def _topic(topic: Topic) -> str:
-    profiles = f"\n{indent(topic.qos, '      ')}" if topic.qos else " []"
-    return (
-        f"- topic_metadata:\n    name: {topic.name}\n    type: {topic.type_name}\n    serialization_format: cdr\n"
-        f"    offered_qos_profiles:{profiles}\n"
-        f'    type_description_hash: "{topic.type_hash}"\n  message_count: {topic.messages}\n'
-    )
+def _described(topic: Topic, messages: int) -> dict[str, Any]:
+    described = {
+        "name": topic.name,
+        "type": topic.type_name,
+        "serialization_format": "cdr",
+        "offered_qos_profiles": yaml.safe_load(topic.qos) or [],
+        "type_description_hash": message_definition(topic.type_name).type_hash,
+    }
+    return {"topic_metadata": described, "message_count": messages}

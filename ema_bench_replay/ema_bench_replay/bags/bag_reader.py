@@ -16,13 +16,12 @@ from ema_bench_replay.bags.mcap_scan import Block, McapScan
 from ema_bench_replay.bags.packed_messages import unpacked
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.long_columns import Column, by_pieces, overlapping, pieces, shifted, steps_where, values_at
-from ema_bench_replay.recording import SIGNALS, Recording
+from ema_bench_replay.recording import ANGLE_ORIGINS, SIGNALS, Recording
 
 _STAMP = ("header.stamp.sec", "header.stamp.nanosec")
-_ORIGINS = ("motor_angle_origin", "output_angle_origin")
 _NAMES = (*_STAMP, "run", "sequence", *SIGNALS)
 # Keys that `bag_writer` adds to a recording's own metadata.
-_WRITTEN = ("signals", "warnings", *_ORIGINS)
+_WRITTEN = ("signals", "warnings", *ANGLE_ORIGINS)
 _NAMED = 5  # maximum number of topics that an error lists
 _EVIDENCE = "/evidence/"  # prefix of the topics of a search's evidence
 
@@ -166,7 +165,7 @@ def _read(
         try:
             fields = decode(types, root, block.data, block.offsets, block.sizes, _NAMES)
             if not columns.size:
-                origins = decode(types, root, block.data, block.offsets[:1], block.sizes[:1], _ORIGINS)
+                origins = decode(types, root, block.data, block.offsets[:1], block.sizes[:1], ANGLE_ORIGINS)
         except CdrError as error:
             raise InputError(f"{scan.path}: a message {error}; it was not written as its definition says") from None
         if absent := [name for name in _STAMP if name not in fields]:
@@ -213,7 +212,7 @@ class _Samples:
     def __init__(self, file: Path, name: str, topic: str, columns: dict[str, np.ndarray]) -> None:
         self.file, self.name, self.topic, self.columns = file, name, topic, columns
         self.warnings: list[str] = []
-        self.origins = {name: float(columns.pop(name)[0]) for name in _ORIGINS if name in columns}
+        self.origins = {name: float(columns.pop(name)[0]) for name in ANGLE_ORIGINS if name in columns}
         log_times = self.columns.pop("log_time")
         if any((part[1:] < part[:-1]).any() for part in overlapping(log_times)):
             self._keep(np.argsort(log_times, kind="stable"))

@@ -55,14 +55,15 @@ def _write(recording: Recording, stream: BinaryIO, name: str) -> str:
     """Write the MCAP; returns the text of metadata.yaml."""
     file = McapFile(stream)
     file.add_metadata(METADATA_NAME, _metadata(recording))
-    state = encoder_of(file, STATE_TOPIC, STATE_TYPE, STATE_QOS, {"header": {"frame_id": "bench"}, "run": 1})
+    state_topic = Topic(STATE_TOPIC, STATE_TYPE, STATE_QOS)
+    state = encoder_of(file, state_topic, {"header": {"frame_id": "bench"}, "run": 1})
     encoders = [state]
     joints = {"motor": "motor_position", "output": "output_position"}
     joints = {joint: signal for joint, signal in joints.items() if recording.has(signal)}
     if joints:
         zeros = [0.0] * len(joints)
         example = {"name": list(joints), "position": zeros, "velocity": zeros, "header": {"frame_id": "bench"}}
-        encoders.append(encoder_of(file, JOINTS_TOPIC, JOINTS_TYPE, JOINTS_QOS, example))
+        encoders.append(encoder_of(file, Topic(JOINTS_TOPIC, JOINTS_TYPE, JOINTS_QOS), example))
     for start, end in _blocks(recording.stamps):
         samples, stamps = np.arange(start, end), recording.stamps[start:end] + recording.start
         blocks = [(state, state.encode(stamps, samples, _state_columns(recording, samples)))]
@@ -75,18 +76,14 @@ def _write(recording: Recording, stream: BinaryIO, name: str) -> str:
             file.add_chunk(chunk)
         release_pages()
     file.finish()
-    counts = file.counts
-    topics = [Topic(e.topic, e.type_name, e.type_hash, e.qos, counts[e.channel]) for e in encoders]
-    return metadata_yaml([FileOfBag(name, *file.span, sum(counts.values()))], topics)
+    topics = {encoder.topic: file.counts[encoder.channel] for encoder in encoders}
+    return metadata_yaml([FileOfBag(name, *file.span, sum(topics.values()))], topics)
 
 
 class Encoder(NamedTuple):
     """Makes the message records of one topic, which differ only in their numbers."""
 
-    topic: str
-    type_name: str
-    type_hash: str
-    qos: str
+    topic: Topic
     channel: int
     dtype: np.dtype  # of a record: prefix and message
     blank: bytes  # a record with all constant parts
@@ -103,27 +100,23 @@ class Encoder(NamedTuple):
         return records
 
 
-def encoder_of(file: McapFile, topic: str, type_name: str, qos: str, example: dict[str, Any]) -> Encoder:
+def encoder_of(file: McapFile, topic: Topic, example: dict[str, Any]) -> Encoder:
     """Add a topic to a file; its messages have the lengths and the constant parts of an example."""
-    definition = message_definition(type_name)
-    channel = file.add_channel(topic, type_name, definition.text, qos, definition.type_hash)
-    types, root = parse(definition.text, type_name)
+    channel = file.add_channel(topic)
+    types, root = parse(message_definition(topic.type_name).text, topic.type_name)
     message = serialise(types, root, example)
     dtype = np.dtype([("prefix", MESSAGE_PREFIX), ("message", layout_of(types, root, message).dtype)])
     blank = np.zeros(1, dtype)
     blank["prefix"]["opcode"] = Opcode.MESSAGE
     blank["prefix"]["length"] = dtype.itemsize - PREFIX_UNCOUNTED
     blank["prefix"]["channel"] = channel
-    return Encoder(topic, type_name, definition.type_hash, qos, channel, dtype, blank["prefix"].tobytes() + message)
+    return Encoder(topic, channel, dtype, blank["prefix"].tobytes() + message)
 
 
 def _state_columns(recording: Recording, samples: np.ndarray) -> dict[str, np.ndarray | float]:
     """Fields of EmaState; others stay NaN."""
     signals = {name: values[samples] for name, values in recording.signals.items()}
-    return {"sequence": samples, **signals, **{name: getattr(recording, name) for name in _ORIGINS}}
-
-
-_ORIGINS = ("motor_angle_origin", "output_angle_origin")
+    return {"sequence": samples, **signals, **recording.origins}
 
 
 def _joint_columns(recording: Recording, joints: dict[str, str], samples: np.ndarray) -> dict[str, np.ndarray]:
@@ -169,7 +162,6 @@ def _metadata(recording: Recording) -> dict[str, str]:
     return {
         **recording.metadata,
         "signals": " ".join(recording.signals),
-        "motor_angle_origin": repr(float(recording.motor_angle_origin)),
-        "output_angle_origin": repr(float(recording.output_angle_origin)),
+        **{name: repr(origin) for name, origin in recording.origins.items()},
         "warnings": "\n".join(recording.warnings),
     }

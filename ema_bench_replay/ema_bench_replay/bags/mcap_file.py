@@ -30,6 +30,8 @@ from mcap.records import (
     SummaryOffset,
 )
 
+from ema_bench_replay.bags.bag_metadata import Topic
+from ema_bench_replay.bags.definitions import message_definition
 from ema_bench_replay.bags.spilled import Spilled
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -82,7 +84,7 @@ class McapFile:
         self._counts: dict[int, int] = {}
         self._unwritten: list[McapRecord] = []  # schemas and channels, for the head of the next chunk
         self._compressor: zstandard.ZstdCompressor | None = zstandard.ZstdCompressor(level=1)
-        self._write(MAGIC + _bytes(Header(profile="ros2", library="ema_bench_replay")))
+        self._write(MAGIC + bytes_of(Header(profile="ros2", library="ema_bench_replay")))
 
     @property
     def counts(self) -> dict[int, int]:
@@ -99,15 +101,16 @@ class McapFile:
         """Bytes written so far."""
         return self._position
 
-    def add_channel(self, topic: str, type_name: str, definition: str, qos: str, type_hash: str) -> int:
-        """Add a topic; returns the channel's number. `qos` is rosbag2's offered_qos_profiles (YAML)."""
-        schema = next((schema for schema in self._schemas if schema.name == type_name), None)
+    def add_channel(self, topic: Topic) -> int:
+        """Add a topic; returns the channel's number. Raises InputError if its type's definition is not found."""
+        definition = message_definition(topic.type_name)
+        schema = next((schema for schema in self._schemas if schema.name == topic.type_name), None)
         if schema is None:
-            schema = Schema(len(self._schemas) + 1, definition.encode(), "ros2msg", type_name)
+            schema = Schema(len(self._schemas) + 1, definition.text.encode(), "ros2msg", topic.type_name)
             self._schemas.append(schema)
             self._unwritten.append(schema)
-        metadata = {"offered_qos_profiles": qos, "topic_type_hash": type_hash}
-        channel = Channel(len(self._channels) + 1, topic, "cdr", metadata, schema.id)
+        metadata = {"offered_qos_profiles": topic.qos, "topic_type_hash": definition.type_hash}
+        channel = Channel(len(self._channels) + 1, topic.name, "cdr", metadata, schema.id)
         self._channels.append(channel)
         self._unwritten.append(channel)
         self._counts[channel.id] = 0
@@ -115,20 +118,20 @@ class McapFile:
 
     def add_metadata(self, name: str, content: dict[str, str]) -> None:
         """Write a metadata record."""
-        record = _bytes(Metadata(name, content))
+        record = bytes_of(Metadata(name, content))
         self._metadata.append(MetadataIndex(self._position, len(record), name))
         self._write(record)
 
     def add_chunk(self, groups: list[Messages]) -> None:
         """Write messages as one compressed chunk, with their index."""
-        head = b"".join(map(_bytes, self._unwritten))
+        head = b"".join(map(bytes_of, self._unwritten))
         data = b"".join([head, *(group.records for group in groups)])
         first = min(int(group.log_times.min()) for group in groups)
         last = max(int(group.log_times.max()) for group in groups)
         assert self._compressor is not None
         packed = self._compressor.compress(data)
         start = self._position
-        written = [_bytes(Chunk("zstd", packed, last, first, zlib.crc32(data), len(data)))]
+        written = [bytes_of(Chunk("zstd", packed, last, first, zlib.crc32(data), len(data)))]
         end = position = start + len(written[0])
         index_offsets = {}
         offset = len(head)
@@ -154,11 +157,11 @@ class McapFile:
             compressed_size=len(packed),
             uncompressed_size=len(data),
         )
-        self._chunks.add(_bytes(index))
+        self._chunks.add(bytes_of(index))
 
     def finish(self) -> None:
         """Write the summary and the file's end."""
-        end = b"".join(map(_bytes, self._unwritten)) + _bytes(DataEnd(0))
+        end = b"".join(map(bytes_of, self._unwritten)) + bytes_of(DataEnd(0))
         start = self._position + len(end)
         first, last = self.span
         statistics = Statistics(
@@ -174,11 +177,11 @@ class McapFile:
         )
         summary, offsets = RecordBuilder(), []
         for opcode, records in (
-            (Opcode.SCHEMA, b"".join(map(_bytes, self._schemas))),
-            (Opcode.CHANNEL, b"".join(map(_bytes, self._channels))),
-            (Opcode.STATISTICS, _bytes(statistics)),
+            (Opcode.SCHEMA, b"".join(map(bytes_of, self._schemas))),
+            (Opcode.CHANNEL, b"".join(map(bytes_of, self._channels))),
+            (Opcode.STATISTICS, bytes_of(statistics)),
             (Opcode.CHUNK_INDEX, self._chunks.all()),
-            (Opcode.METADATA_INDEX, b"".join(map(_bytes, self._metadata))),
+            (Opcode.METADATA_INDEX, b"".join(map(bytes_of, self._metadata))),
         ):
             if records:
                 offsets.append(SummaryOffset(opcode, start + summary.count, len(records)))
@@ -189,7 +192,7 @@ class McapFile:
         data = summary.end()
         # The checksum covers the summary and the footer up to the checksum itself.
         crc = zlib.crc32(struct.pack("<BQQQ", Opcode.FOOTER, 20, start, offsets_start), zlib.crc32(data))
-        self._write(end + data + _bytes(Footer(start, offsets_start, crc)) + MAGIC)
+        self._write(end + data + bytes_of(Footer(start, offsets_start, crc)) + MAGIC)
         self.close()
 
     def close(self) -> None:
@@ -213,7 +216,8 @@ def _index(group: Messages, offset: int) -> bytes:
     return head + entries.tobytes()
 
 
-def _bytes(record: McapRecord) -> bytes:
+def bytes_of(record: McapRecord) -> bytes:
+    """A record as it is in a file: opcode, length and content."""
     builder = RecordBuilder()
     record.write(builder)
     return builder.end()

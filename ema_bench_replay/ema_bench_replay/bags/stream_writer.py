@@ -33,12 +33,8 @@ _PREFIX = struct.Struct("<BQHIQQ")  # MESSAGE_PREFIX, for one message
 
 
 class _Channel(NamedTuple):
-    topic: str
+    topic: Topic
     number: int  # in every file
-    type_name: str
-    definition: str
-    type_hash: str
-    qos: str
     records: bytearray  # of the chunk that is open
     offsets: list[int]
     log_times: list[int]
@@ -94,13 +90,13 @@ class StreamWriter:
     def written(self) -> dict[str, int]:
         """Messages in the bag's existing files, by topic."""
         counts = _sum(file.content.counts for file in self._files if file.is_kept)
-        return {channel.topic: counts[channel.number] for channel in self._channels.values()}
+        return {topic: counts[channel.number] for topic, channel in self._channels.items()}
 
     @property
     def lost(self) -> dict[str, int]:
         """Received messages that are in no existing file and not waiting for one, by topic."""
         counts = _sum([self._dropped, *(file.content.counts for file in self.removed)])
-        return {channel.topic: counts[channel.number] for channel in self._channels.values()}
+        return {topic: counts[channel.number] for topic, channel in self._channels.items()}
 
     @property
     def waiting(self) -> int:
@@ -124,9 +120,8 @@ class StreamWriter:
 
     def add_topic(self, topic: str, type_name: str, qos: str) -> None:
         """Add a topic before its first message; `qos` as from `bag_metadata.qos_profile`, one or several."""
-        definition = message_definition(type_name)
-        number = len(self._channels) + 1
-        channel = _Channel(topic, number, type_name, definition.text, definition.type_hash, qos, bytearray(), [], [])
+        message_definition(type_name)  # one that is not installed is refused before anything is added
+        channel = _Channel(Topic(topic, type_name, qos), len(self._channels) + 1, bytearray(), [], [])
         self._channels[topic] = channel
         if self._current is not None:
             _announce(self._current, channel)
@@ -270,23 +265,18 @@ class StreamWriter:
         if not files:
             return
         counts = _sum(file.content.counts for file in files)
-        topics = [Topic(c.topic, c.type_name, c.type_hash, c.qos, counts[c.number]) for c in self._channels.values()]
+        topics = {channel.topic: counts[channel.number] for channel in self._channels.values()}
         listed = [FileOfBag(file.path.name, *file.content.span, file.messages) for file in files]
         write_text(self.folder / "metadata.yaml", metadata_yaml(listed, topics), force=True)
 
 
 def _announce(file: BagFile, channel: _Channel) -> None:
-    number = file.content.add_channel(
-        channel.topic, channel.type_name, channel.definition, channel.qos, channel.type_hash
-    )
+    number = file.content.add_channel(channel.topic)
     assert number == channel.number  # topics have the same numbers in every file
 
 
 def _sum(counts: Iterable[Mapping[int, int]]) -> Counter[int]:
-    total: Counter[int] = Counter()
-    for count in counts:
-        total.update(count)
-    return total
+    return sum(map(Counter, counts), Counter())
 
 
 def _cannot(path: Path, error: OSError) -> str:

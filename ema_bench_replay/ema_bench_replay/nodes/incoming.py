@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 import struct
 
-from .sample_codec import State, read_state
+from ema_bench_replay.sample import State
+
+from .sample_codec import read_state
 
 BEYOND_ALL = 1e12
 """No machine's signal is larger in SI units. A flipped bit can make it so large that its square overflows."""

@@ -18,6 +18,7 @@ from ema_bench_replay.errors import InputError
 
 _FOREIGN = ("use_sim_time", "start_type_description_service", "qos_overrides.")
 """Parameters that rclpy declares itself."""
+_KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "text", tuple: "a list of texts"}
 
 
 @dataclass(frozen=True)
@@ -60,14 +61,8 @@ class Declaration:
         if kind is tuple:
             value = tuple(value) if isinstance(value, (list, tuple)) else value
         if type(value) is not kind:
-            names = {
-                bool: "true or false",
-                int: "a whole number",
-                float: "a number",
-                str: "text",
-                tuple: "a list of texts",
-            }
-            raise InputError(f"parameter {self.name}: {value!r} is not {names[kind]}; give {self.range or names[kind]}")
+            name = _KINDS[kind]
+            raise InputError(f"parameter {self.name}: {value!r} is not {name}; give {self.range or name}")
         outside = kind in (int, float) and not self.lower <= value <= self.upper
         allowed = self.allows or (lambda choice: not self.choices or choice in self.choices)
         if outside or not allowed(value):
@@ -99,20 +94,16 @@ def declare(node: Node, declarations: Iterable[Declaration]) -> dict[str, Any]:
         try:
             if asked is not None:  # rclpy's own refusal gives the range a second time, without the unit
                 declaration.checked(asked.value)
-        except InputError as error:
-            raise InputError(f"{node.get_name()}: {error}") from None
-        try:
             given = node.declare_parameter(
                 declaration.name, list(default) if isinstance(default, tuple) else default, declaration.descriptor()
             ).value
+            values[declaration.name] = declaration.checked(given)
+        except InputError as error:
+            raise InputError(f"{node.get_name()}: {error}") from None
         except ParameterException as error:
             raise InputError(
                 f"{node.get_name()}: parameter {declaration.name}: {error}; give {declaration.range}"
             ) from None
-        try:
-            values[declaration.name] = declaration.checked(given)
-        except InputError as error:
-            raise InputError(f"{node.get_name()}: {error}") from None
     return values
 
 

@@ -19,10 +19,7 @@ class PlayedRun:
         self.part = recording.between(float(recording.time[first]))
         self._first = first
         self._columns = list(self.part.signals.items())
-        self._origins = {
-            "motor_angle_origin": self.part.motor_angle_origin,
-            "output_angle_origin": self.part.output_angle_origin,
-        }
+        self._origins = self.part.origins
 
     def sample(self, index: int) -> tuple[int, int, dict[str, float]]:
         """Stamp [ns since the epoch], sequence and fields (SI) of the recording's sample at `index`."""

@@ -14,10 +14,10 @@ import struct
 from collections.abc import Mapping
 from functools import lru_cache
 from operator import attrgetter
-from typing import NamedTuple
 
 from rclpy.serialization import deserialize_message
 
+from ema_bench_replay.sample import State
 from ema_twin_msgs.msg import EmaState, Signals
 
 FIELDS = tuple(name for name, kind in EmaState.get_fields_and_field_types().items() if kind == "double")
@@ -31,15 +31,6 @@ _values = attrgetter(*FIELDS)
 # Plain CDR: a header of four bytes, then the fields, each aligned to its size counted from the end of the header.
 _LITTLE_ENDIAN = b"\x00\x01\x00\x00"
 _ORDERS = {0: ">", 1: "<"}
-
-
-class State(NamedTuple):
-    """One sample: `stamp` in ns since the epoch, signals in SI units, NaN where unknown."""
-
-    run: int
-    sequence: int
-    stamp: int
-    signals: dict[str, float]
 
 
 @lru_cache(maxsize=64)

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import re
 
-MOST_LINES = 200
-"""Lines among which the first row of numbers must be."""
+from ema_bench_replay.traces.text_blocks import MOST_LINES
+
 _NUMBER = re.compile(rb"[-+]?(?:\d[\d.,]*|[.,]\d+)(?<![.,])(?:[eE][-+]?\d+)?|[-+]?\d+\.|[-+]?nan", re.IGNORECASE)
 _WORD = re.compile(rb"[^,]+")
 _COMMENT = re.compile(r"\s*[#%]+\s*")

@@ -18,10 +18,9 @@ from dataclasses import dataclass
 from ema_bench_replay.traces.header_words import is_unit
 from ema_bench_replay.traces.missing_numbers import holds_nothing, is_missing
 from ema_bench_replay.traces.paired_columns import names_of_pairs
+from ema_bench_replay.traces.text_blocks import MOST_LINES
 from ema_bench_replay.traces.time_of_day import is_time_of_day
 
-MOST_LINES = 200
-"""Lines in which the first row of numbers must be; otherwise the first line that is not a comment is the header."""
 _DELIMITERS = (";", "\t", ",")
 _NUMBER = re.compile(r"[-+]?[\d.,]*\d[\d.,]*(?:[eE][-+]?\d+)?")
 _COMMENT = re.compile(r'[#%]|sep=|("[^"]*")?\Z', re.IGNORECASE)
@@ -52,7 +51,8 @@ class NoHeader(ValueError):
 def header_lines(block: bytes) -> HeaderLines | None:
     """The header of a text that begins with ``block``; None if it has none.
 
-    Raises NoHeader if nothing above its numbers can name their columns.
+    Without rows among the first lines, it is the first line that is not a comment. Raises NoHeader if nothing above the
+    numbers can name their columns.
     """
     lines: list[tuple[str, int]] = []
     end = 0

@@ -9,9 +9,9 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import TEST, Recording
-from ema_bench_replay.traces.import_map import Column, ImportMap
-from ema_bench_replay.traces.trace_csv import recording_of
-from ema_bench_replay.traces.trace_table import TraceTable, read_table
+from ema_bench_replay.traces.import_map import ImportMap
+from ema_bench_replay.traces.trace_csv import column_of, recording_of
+from ema_bench_replay.traces.trace_table import read_table
 
 
 def read_runs(path: str | Path, import_map: ImportMap) -> list[Recording]:
@@ -23,8 +23,8 @@ def read_runs(path: str | Path, import_map: ImportMap) -> list[Recording]:
     table = read_table(path, import_map.delimiter, import_map.number_format, import_map.places)
     if import_map.run is None:
         return [recording_of(table, import_map)]
-    numbers = _column(table, import_map.run, "run")
-    tests = None if import_map.test is None else _column(table, import_map.test, "test")
+    numbers = column_of(table, import_map.run, " tells the run of a row")
+    tests = None if import_map.test is None else column_of(table, import_map.test, " tells the test of a row")
     found = []
     for number in dict.fromkeys(numbers.tolist()):
         of_run = numbers == number
@@ -40,13 +40,3 @@ def read_runs(path: str | Path, import_map: ImportMap) -> list[Recording]:
             metadata[TEST] = f"{labels[0]:g}"
         found.append(replace(recording, name=f"{recording.name}_{number:g}", metadata=metadata))
     return found
-
-
-def _column(table: TraceTable, column: Column, what: str) -> np.ndarray:
-    places = column.find(table.header)
-    if not places:
-        raise InputError(
-            f"{table.path}: line {table.header_line}: no column {column.plain!r} tells the {what} of a row; name the "
-            "right one in the import map"
-        )
-    return table.columns[places[0]]

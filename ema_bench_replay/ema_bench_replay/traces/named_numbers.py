@@ -8,8 +8,8 @@ from __future__ import annotations
 import re
 from itertools import pairwise
 
-MOST_LINES = 200
-"""Lines among which the first such row must be."""
+from ema_bench_replay.traces.text_blocks import MOST_LINES
+
 _WORD = rb"[^:=,;\s]"
 _NUMBER = rb"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[-+]?\d+)?|nan|[-+]?inf"
 _PAIR = re.compile(  # a name of a few words, one blank between them, so that no long line takes long

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
-MOST_LINES = 200
-"""Lines that are looked at, among which the first row of numbers must be."""
+from ema_bench_replay.traces.text_blocks import MOST_LINES
+
 _NUMBER = re.compile(rb"[-+]?(\d+[.,]?\d*|[.,]\d+)([eE][-+]?\d+)?|[-+]?nan", re.IGNORECASE)
 _SEPARATORS = re.compile(rb"[ \t]*,[ \t]*|\t| +")
 _COMMENTS = (b"#", b"%")

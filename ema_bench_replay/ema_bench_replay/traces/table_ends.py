@@ -66,9 +66,12 @@ class TableEnds:
             at_begin = {}
         last = {row: held for row, held in at_end.items() if row < filled.stop}
         inside = rows[filled.start : filled.stop - len(last)]
-        begin = filled.start + self._first_kept(inside, at_begin, lines[filled.start : filled.stop])
+        complete = self._complete(inside, at_begin, lines[filled.start : filled.stop], at_begin=True)
+        begin = filled.start + complete.start
+        self.first += [line - self._first_line for line in lines[filled.start : begin]]
         below = {row - begin: held for row, held in last.items()}
-        return self._without_end(rows[begin : filled.stop], below, lines[begin : filled.stop])
+        complete = self._complete(rows[begin : filled.stop], below, lines[begin : filled.stop], at_begin=False)
+        return rows[begin : begin + complete.stop]
 
     def _filled(
         self,
@@ -113,36 +116,22 @@ class TableEnds:
             self._report_left_out(lines[filled.stop :], last, split[filled.stop][last], at_begin=False)
         return filled
 
-    def _first_kept(self, rows: np.ndarray, at_begin: Cells, lines: Sequence[int]) -> int:
-        """The first row that is not left out; ``at_begin`` are the first rows' cells that are none, ``lines`` theirs.
+    def _complete(self, rows: np.ndarray, cells: Cells, lines: Sequence[int], *, at_begin: bool) -> range:
+        """The rows without those at an end that lack numbers; ``cells`` are theirs that are none, ``lines`` all rows'.
 
         Raises InputError if a row that stays lacks a number in a needed column.
         """
-        kept = 0
-        most_first = range(len(at_begin), 0, -1)
-        begins = ((range(count), np.isfinite(rows[count:]).all(axis=0)) for count in most_first)
-        if (found := incomplete_rows(begins, at_begin, self._judged)) is not None:
-            self._report_incomplete(*found, at_begin, lines)
-            kept = len(found[0])
-            self.first += [line - self._first_line for line in lines[:kept]]
-        self.refuse_needed({row: cells for row, cells in at_begin.items() if row >= kept}, lines)
-        return kept
-
-    def _without_end(self, rows: np.ndarray, at_end: Cells, lines: Sequence[int]) -> np.ndarray:
-        """The rows without the last ones that lack numbers; ``at_end`` are their cells that are none, ``lines`` theirs.
-
-        Raises InputError if a row that stays lacks a number in a needed column.
-        """
-        first = len(rows)
-        while first - 1 in at_end:
-            first -= 1
-        most_first = (range(begin, len(rows)) for begin in range(first, len(rows)))
-        ends = ((end, self._known & np.isfinite(rows[: end.start]).all(axis=0)) for end in most_first)
-        if (found := incomplete_rows(ends, at_end, self._judged)) is not None:
-            self._report_incomplete(*found, at_end, lines)
-            rows = rows[: found[0].start]
-        self.refuse_needed({row: cells for row, cells in at_end.items() if row < len(rows)}, lines)
-        return rows
+        whole = range(len(rows))
+        most_first = (whole[:count] if at_begin else whole[-count:] for count in range(len(cells), 0, -1))
+        others = ((end, rows[end.stop :] if at_begin else rows[: end.start]) for end in most_first)
+        ends = ((end, self._known & np.isfinite(other).all(axis=0)) for end, other in others)
+        if (found := incomplete_rows(ends, cells, self._judged)) is not None:
+            end, column = found
+            told = [lines[row] for row in end]
+            self._report_left_out(told, column, cells[end.start][column], at_begin=at_begin)
+            whole = whole[end.stop :] if at_begin else whole[: end.start]
+        self.refuse_needed({row: held for row, held in cells.items() if row in whole}, lines)
+        return whole
 
     def refuse_needed(self, cells: Cells, lines: Sequence[int]) -> None:
         """Raise InputError for the first of the ``cells`` that is in a needed column."""
@@ -150,11 +139,6 @@ class TableEnds:
             for column, cell in held.items():
                 if column in self._needed:
                     raise self._no_number(lines[row], column, cell)
-
-    def _report_incomplete(self, rows: range, column: int, cells: Cells, lines: Sequence[int]) -> None:
-        """Warn of ``rows`` at an end, of which the first holds no number in a column; ``lines`` are those of all."""
-        first = rows.start
-        self._report_left_out([lines[row] for row in rows], column, cells[first][column], at_begin=first == 0)
 
     def _report_left_out(self, lines: Sequence[int], column: int, cell: str, *, at_begin: bool) -> None:
         """Warn of rows at an end that are in these ``lines``; the ``cell`` is the first one's in a column."""

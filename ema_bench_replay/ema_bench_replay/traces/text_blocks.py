@@ -13,6 +13,8 @@ from ema_bench_replay.traces.line_breaks import (
     without_breaks_in_cells,
 )
 
+MOST_LINES = 200
+"""Lines among which the first row of numbers must be."""
 _BLOCK = 4 << 20
 _LONGEST_LINE = 1 << 20
 _LOOKED_AT = 1 << 16  # bytes at the beginning that tell whether it is text

@@ -54,6 +54,17 @@ def recording_of(table: TraceTable, import_map: ImportMap) -> Recording:
     return _Trace(table, import_map).recording()
 
 
+def column_of(table: TraceTable, column: Column, use: str) -> np.ndarray:
+    """A column (n,) of a table by the map. Raises InputError, which tells its ``use``, if there is none."""
+    places = column.find(table.header)
+    if not places:
+        raise InputError(
+            f"{table.path}: line {table.header_line}: no column {column.plain!r}{use}; name the right one in the "
+            "import map"
+        )
+    return table.columns[places[0]]
+
+
 class _Trace:
     """Conversion of one trace to a recording."""
 
@@ -171,7 +182,8 @@ class _Trace:
         place = self.columns[signal.signal]
         values = self.table.columns[place]
         if signal.less_than:
-            values = by_pieces(np.subtract, self._whole(signal.less_than, signal.signal), values)
+            use = f", which the {signal.signal.replace('_', ' ')} is less than"
+            values = by_pieces(np.subtract, column_of(self.table, signal.less_than, use), values)
         if signal.wraps_after:
             values = self._unwrapped(values, signal.wraps_after, signal.unit or "", self.table.header[place])
         elif signal.signal in ("motor_position", "output_position") and self.map.motion == "rotary":
@@ -183,16 +195,6 @@ class _Trace:
         first = values[0]
         self.origins[signal.signal] = float(first * signal.factor)
         return by_pieces(lambda part: (part - first) * signal.factor, values)
-
-    def _whole(self, column: Column, signal: str) -> np.ndarray:
-        """The reference column (n,) from which the signal's column is subtracted."""
-        places = column.find(self.table.header)
-        if not places:
-            raise InputError(
-                f"{self.table.path}: line {self.table.header_line}: no column {column.plain!r}, which the "
-                f"{signal.replace('_', ' ')} is less than; name the right one in the import map"
-            )
-        return self.table.columns[places[0]]
 
     def _counted_on(self, values: np.ndarray, turn: float, name: str) -> np.ndarray:
         """Unwrap an angle (n,) that restarts after each ``turn``, in its own unit."""

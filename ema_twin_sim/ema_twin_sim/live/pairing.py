@@ -9,25 +9,25 @@ answered: a twin that goes back because the bench did has answered them all.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Generic
+
+from ema_bench_replay.sample import State
 
 from .sample_stream import Kind, SampleStream
-from .waiting import Sample, Waiting, WaitingObjects
+from .waiting import CAPACITY, Waiting
 
 
 @dataclass
-class _TwinPass(Generic[Sample]):
+class _TwinPass:
     """Answers of one pass that wait for their bench samples."""
 
     run: int
     first: int
-    waiting: Waiting[Sample]
+    waiting: Waiting
     newest: int = -1
 
 
-class Pairing(Generic[Sample]):
+class Pairing:
     """Pairs samples by run and sequence; keeps a bounded number of those whose partner has not arrived.
 
     Attributes:
@@ -37,18 +37,18 @@ class Pairing(Generic[Sample]):
         passes: passes that the bench has begun.
     """
 
-    def __init__(self, make_waiting: Callable[[], Waiting[Sample]] = WaitingObjects, from_start: bool = True) -> None:
-        """`make_waiting` makes the store of a pass's unpaired samples of one side; `from_start`: see `SampleStream`."""
-        self._make_waiting = make_waiting
+    def __init__(self, capacity: int = CAPACITY, from_start: bool = True) -> None:
+        """Keep up to `capacity` unpaired samples of each pass and side; `from_start`: see `SampleStream`."""
+        self._capacity = capacity
         self.bench = SampleStream(from_start)
         self.twin = SampleStream(from_start)
         self.compared = 0
         self.outdated = 0
         self.passes = 0
-        self._waiting = make_waiting()
+        self._waiting = Waiting(capacity)
         # The twin's answers to the present pass, and to passes that the bench, as seen here, has not begun yet.
-        self._answers: _TwinPass[Sample] | None = None
-        self._ahead: deque[_TwinPass[Sample]] = deque(maxlen=16)
+        self._answers: _TwinPass | None = None
+        self._ahead: deque[_TwinPass] = deque(maxlen=16)
 
     @property
     def run(self) -> int | None:
@@ -72,7 +72,7 @@ class Pairing(Generic[Sample]):
         """Samples of the present run whose partner has not arrived."""
         return len(self._waiting) + (len(self._answers.waiting) if self._answers else 0)
 
-    def add_bench(self, sample: Sample) -> Sample | None:
+    def add_bench(self, sample: State) -> State | None:
         """Take a sample of the bench; return the twin's answer if it is here already."""
         kind = self.bench.accept(sample.run, sample.sequence, sample.stamp)
         if kind is Kind.LEFT_OUT:
@@ -88,7 +88,7 @@ class Pairing(Generic[Sample]):
             self.compared += 1
         return answer
 
-    def add_twin(self, sample: Sample) -> Sample | None:
+    def add_twin(self, sample: State) -> State | None:
         """Take an answer of the twin; return the bench's sample if it is here already."""
         kind = self.twin.accept(sample.run, sample.sequence, sample.stamp)
         if kind is Kind.LEFT_OUT:
@@ -133,7 +133,7 @@ class Pairing(Generic[Sample]):
                 self.outdated += len(begun.waiting)
 
     def _begin_twin(self, run: int) -> None:
-        begun = _TwinPass(run, self.twin.first, self._make_waiting())
+        begun = _TwinPass(run, self.twin.first, Waiting(self._capacity))
         if self.run == run and (self._answers is None or self._unanswered):
             self.outdated += sum(len(older.waiting) for older in self._ahead)
             self._ahead.clear()
@@ -141,7 +141,7 @@ class Pairing(Generic[Sample]):
         else:
             self._ahead.append(begun)
 
-    def _go_on_with(self, begun: _TwinPass[Sample]) -> None:
+    def _go_on_with(self, begun: _TwinPass) -> None:
         """Continue the present pass after a restart of the twin; pairs compared before the restart stay counted."""
         if self._answers is not None:
             begun.first = self._answers.first

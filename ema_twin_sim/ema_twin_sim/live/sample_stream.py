@@ -18,6 +18,7 @@ The rule, for bench samples at the twin and for both streams at the monitor:
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import dataclass, field
 from enum import Enum, auto
 
 REORDERED = 10
@@ -32,39 +33,27 @@ class Kind(Enum):
     LEFT_OUT = auto()
 
 
+@dataclass(eq=False)
 class SampleStream:
-    """Judges the samples of one topic in their order of arrival, and counts.
+    """Judges the samples of one topic in their order of arrival, and counts."""
 
-    Attributes:
-        run: number of the present run; None before the first sample.
-        sequence: sequence number of the newest sample in it.
-        first: sequence number that the run is counted from.
-        received: samples of this run, without those left out.
-        lost: samples of this run that were skipped between the first that arrived and the newest (late ones included).
-        unseen: samples of this run before the first that arrived; 0 if the run is counted from there.
-        late, duplicate, backward, stray: see the module; counted since the node's start.
-        runs: runs begun.
-    """
-
-    def __init__(self, from_start: bool = True) -> None:
-        """`from_start`: whether a run's samples before the first that arrives count as unseen, or not at all."""
-        self._from_start = from_start
-        self._gaps: deque[range] = deque(maxlen=REORDERED)
-        self._first_stamp = 0
-        self._first_sequence = 0
-        self._stamp = 0
-        self._elsewhere: tuple[int, int] | None = None  # (sequence, stamp) of a sample that the next one decides on
-        self.run: int | None = None
-        self.sequence = 0
-        self.first = 0
-        self.received = 0
-        self.lost = 0
-        self.unseen = 0
-        self.late = 0
-        self.duplicate = 0
-        self.backward = 0
-        self.stray = 0
-        self.runs = 0
+    from_start: bool = True  # whether a run's samples before the first that arrives count as unseen, or not at all
+    run: int | None = None  # number of the present run; None before the first sample
+    sequence: int = 0  # sequence number of the newest sample in it
+    first: int = 0  # sequence number that the run is counted from
+    received: int = 0  # samples of this run, without those left out
+    lost: int = 0  # samples of this run skipped between the first that arrived and the newest (late ones included)
+    unseen: int = 0  # samples of this run before the first that arrived; 0 if the run is counted from there
+    late: int = 0  # see the module for this and the next three: counted since the node's start
+    duplicate: int = 0
+    backward: int = 0
+    stray: int = 0
+    runs: int = 0  # runs begun
+    _gaps: deque[range] = field(default_factory=lambda: deque(maxlen=REORDERED))
+    _first_stamp: int = 0
+    _first_sequence: int = 0
+    _stamp: int = 0
+    _elsewhere: tuple[int, int] | None = None  # (sequence, stamp) of a sample that the next one decides on
 
     def figures(self, what: str) -> dict[str, object]:
         """The counts by name, for the diagnostics; `what` names the samples."""
@@ -136,7 +125,7 @@ class SampleStream:
         self._stamp = self._first_stamp = stamp
         self._first_sequence = sequence
         self._elsewhere = None
-        self.first = 0 if self._from_start else sequence
+        self.first = 0 if self.from_start else sequence
         self.lost = 0
         self.unseen = sequence - self.first
         self.received = 1

@@ -2,76 +2,70 @@
 
 from __future__ import annotations
 
-from typing import Generic, Protocol, TypeVar
+import struct
+from operator import itemgetter
+
+from ema_bench_replay.sample import VALUES, State
 
 CAPACITY = 25_000
 """Number of samples of a side that may wait: more than can be in transit. Fast DDS keeps 5000 samples per reader at the
 writer and 500 at the reader (see loopback.xml), both on the way to the twin and on the way back; beyond that a
 publisher waits. Where somebody's own profile is used, it keeps 5000 at the reader."""
 
-
-class Stamped(Protocol):
-    """A sample that can be paired: it has a run, a sequence number in it, and a stamp [ns]."""
-
-    @property
-    def run(self) -> int:
-        """Number of the run."""
-
-    @property
-    def sequence(self) -> int:
-        """Number in the run, from 0."""
-
-    @property
-    def stamp(self) -> int:
-        """Time in ns since the epoch."""
+_ROW = struct.Struct(f"<QQq{len(VALUES)}d")
+"""A row: number of the clearing after which it was kept (0: the row is free); sequence; stamp; values."""
+_HEAD = struct.Struct("<QQ")
+_FREE = bytes(_HEAD.size)
+_values = itemgetter(*VALUES)
 
 
-Sample = TypeVar("Sample", bound=Stamped)
+class Waiting:
+    """Waiting samples of one run: a ring of rows with a fixed place for each number.
 
+    A sample replaces the one of an earlier number in its place. Memory is allocated once; kept as objects, samples
+    would take ten times as much.
+    """
 
-class Waiting(Protocol[Sample]):
-    """Waiting samples of one run; if there are too many, the oldest are dropped."""
+    def __init__(self, capacity: int) -> None:
+        """Keep up to `capacity` samples with consecutive numbers."""
+        self._rows = bytearray(capacity * _ROW.size)
+        self._capacity = capacity
+        self._since = 1  # number of clearings, counted from 1
+        self._count = 0
+        self._run = 0
 
     def __len__(self) -> int:
-        """Number of waiting samples."""
+        return self._count
 
-    def keep(self, sample: Sample) -> None:
+    def keep(self, sample: State) -> None:
         """Keep a sample until it is taken."""
+        place = sample.sequence % self._capacity * _ROW.size
+        since, _ = _HEAD.unpack_from(self._rows, place)
+        self._count += since != self._since
+        self._run = sample.run
+        _ROW.pack_into(self._rows, place, self._since, sample.sequence, sample.stamp, *_values(sample.signals))
 
-    def take(self, sequence: int) -> Sample | None:
+    def take(self, sequence: int) -> State | None:
         """Remove and return the sample of this number; None if it is not waiting."""
+        place = sequence % self._capacity * _ROW.size
+        if _HEAD.unpack_from(self._rows, place) != (self._since, sequence):
+            return None
+        _, _, stamp, *values = _ROW.unpack_from(self._rows, place)
+        self._free(place)
+        return State(self._run, sequence, stamp, dict(zip(VALUES, values, strict=True)))
 
     def forget_before(self, sequence: int) -> None:
         """Drop the samples with a smaller number."""
+        for place in range(0, len(self._rows), _ROW.size):
+            since, number = _HEAD.unpack_from(self._rows, place)
+            if since == self._since and number < sequence:
+                self._free(place)
 
     def clear(self) -> None:
         """Drop all samples."""
+        self._since += 1
+        self._count = 0
 
-
-class WaitingObjects(Generic[Sample]):
-    """Keeps the sample objects themselves."""
-
-    def __init__(self, capacity: int = CAPACITY) -> None:
-        self._capacity = capacity
-        self._held: dict[int, Sample] = {}
-
-    def __len__(self) -> int:
-        return len(self._held)
-
-    def keep(self, sample: Sample) -> None:
-        """See `Waiting`."""
-        self._held[sample.sequence] = sample
-        if len(self._held) > self._capacity:
-            del self._held[next(iter(self._held))]
-
-    def take(self, sequence: int) -> Sample | None:
-        """See `Waiting`."""
-        return self._held.pop(sequence, None)
-
-    def forget_before(self, sequence: int) -> None:
-        """See `Waiting`."""
-        self._held = {number: sample for number, sample in self._held.items() if number >= sequence}
-
-    def clear(self) -> None:
-        """See `Waiting`."""
-        self._held.clear()
+    def _free(self, place: int) -> None:
+        self._rows[place : place + _HEAD.size] = _FREE
+        self._count -= 1

@@ -7,6 +7,7 @@ from rclpy.node import Node
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.nodes import diagnostics, qos
 from ema_bench_replay.nodes.incoming import Incoming
+from ema_bench_replay.recording import ANGLE_ORIGINS
 from ema_twin_msgs.msg import EmaState
 
 from ..live.follower import Follower
@@ -14,8 +15,6 @@ from ..live.pace import Pace
 from ..model import Model
 from ..simulation.twin import Twin
 from .twin_output import TwinOutput
-
-_ORIGINS = ("motor_angle_origin", "output_angle_origin")
 
 
 class BesideBench:
@@ -62,7 +61,7 @@ class BesideBench:
             return
         self.failure = None
         if answer is not None:
-            for name in _ORIGINS:
+            for name in ANGLE_ORIGINS:
                 answer[name] = sample[name]
             self._output.send(stamp, run, sequence, answer)
 

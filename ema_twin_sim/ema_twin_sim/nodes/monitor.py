@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,9 +18,10 @@ from ema_bench_replay.nodes import diagnostics, qos
 from ema_bench_replay.nodes.incoming import Incoming
 from ema_bench_replay.nodes.messages import header, signals_message
 from ema_bench_replay.nodes.parameters import Declaration, check_all, declare, refuse_unknown
-from ema_bench_replay.nodes.sample_codec import State, write_residual
+from ema_bench_replay.nodes.sample_codec import write_residual
 from ema_bench_replay.nodes.spin import run, steady_timer
 from ema_bench_replay.nodes.whole_or_none import whole_or_none
+from ema_bench_replay.sample import State
 from ema_twin_msgs.msg import EmaState, Health, Residual, Run
 
 from ..comparison.running_comparison import RunningComparison
@@ -37,7 +37,6 @@ from ..own_effects import load_effects
 from ..simulation.compared_signals import UNITS, driving, noise_floors
 from .diagnosing.history import History
 from .diagnosing.node import DiagnosisNode, Watched
-from .waiting_states import WaitingStates
 
 PARAMETERS = (
     Declaration("model", "polito_bench", "model of the machine, for the sensors' noise: a shipped name or a YAML file"),
@@ -111,7 +110,7 @@ class MonitorNode(Node):
         self._input, self._window, self._from_start = given["input"], given["window"], given["from_start"]
         self._limits = {name: given[name] for name in ("warn_at", "error_at", "stale_after")}
         noise_floors(self.model)  # computed once; otherwise the first comparison has to
-        self.pairing: Pairing[State] = Pairing(partial(WaitingStates, given["capacity"]), given["from_start"])
+        self.pairing = Pairing(given["capacity"], given["from_start"])
         self.comparison = self._new_comparison("setpoint" if self._input == "auto" else self._input)
         self.on_pair: PairListener | None = None
         self.announced: Run | None = None

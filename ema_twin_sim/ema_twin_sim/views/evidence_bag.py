@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ema_bench_replay.bags.bag_metadata import JOINTS_QOS
+from ema_bench_replay.bags.bag_metadata import JOINTS_QOS, Topic
 from ema_bench_replay.bags.bag_writer import JOINTS_TYPE, Encoder, chunks, encoder_of
 from ema_bench_replay.bags.mcap_file import McapFile
 from ema_bench_replay.outputs import new_file
@@ -142,6 +142,6 @@ def _name(text: str) -> str:
 def _records(file: McapFile, topic: _Topic) -> tuple[Encoder, np.ndarray]:
     """The message records (n,) of a topic, which is added to the file."""
     example = {"name": list(topic.series), topic.field: [0.0] * len(topic.series)}
-    encoder = encoder_of(file, topic.name, JOINTS_TYPE, JOINTS_QOS, example)
+    encoder = encoder_of(file, Topic(topic.name, JOINTS_TYPE, JOINTS_QOS), example)
     columns = {topic.field: np.column_stack(list(topic.series.values()))}
     return encoder, encoder.encode(topic.stamps, np.arange(len(topic.stamps)), columns)

@@ -7,8 +7,9 @@ import threading
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.nodes.sample_codec import FIELDS, State
+from ema_bench_replay.nodes.sample_codec import FIELDS
 from ema_bench_replay.recording import SIGNALS, Recording
+from ema_bench_replay.sample import State
 
 _FIRST_ROOM = 4096
 _SHORTEST = 2.0  # s; a shorter run is used only if there is no longer one
