@@ -16,6 +16,7 @@ from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.measured.observe import observe, observe_all
 from ema_twin_sim.measured.smoothing import gaussian, smooth
 from ema_twin_sim.measured.spoilt_samples import despiked
+from tests.opened import with_open_effects
 from tests.problems import fit_of, hypothesis_of, problem_of
 from tests.recorded import COMMANDS, changed, record, with_signals
 
@@ -131,8 +132,7 @@ def test_recordings_of_two_machines_are_noticed(plain, stock):
 
 @pytest.mark.parametrize("times", [1.05, 2.0])
 def test_shares_of_friction_are_of_what_was_fitted_and_not_of_a_guess(stock, times):
-    guess = with_frictions_times(stock, 0.1, 0.1)
-    guess = replace(guess, effects={name: replace(held, open=True) for name, held in guess.effects.items()})
+    guess = with_open_effects(with_frictions_times(stock, 0.1, 0.1))
     problem = with_an_odd_one(stock, times, times)
     for model in (stock, guess):
         told = contradictions(problem, fit(problem, hypothesis_of(model), 20))
