@@ -20,6 +20,7 @@ from ema_twin_sim.measured.speed_lag import speed_lag
 from ema_twin_sim.model import load_model
 from ema_twin_sim.new_machine.shaft import positions_part, whole_ratio
 from tests.accuracy.strangers.cases import stranger_cases
+from tests.play import behind_play
 from tests.problems import problem_of
 from tests.recorded import changed, scaled
 
@@ -91,7 +92,7 @@ def test_a_ratio_of_one_has_two_sides_where_its_encoders_part(tmp_path):
 def test_a_ratio_is_found_beside_play_and_an_angle_error(ratio, amplitude):
     time = np.arange(4000) * 1e-3
     motor = ratio * 2.5 * np.sin(1.7 * time) * np.minimum(time, 1.0)
-    output = following(motor, 0.1) / ratio
+    output = behind_play(motor, 0.2) / ratio
     seen = output + amplitude * np.sin(output + 1.0)
     recording = Recording("a", np.rint(time * 1e9).astype(np.int64), {"motor_position": motor, "output_position": seen})
     found = ratio_of_positions(recording)
@@ -106,20 +107,11 @@ def test_a_ratio_is_found_where_play_is_crossed_slowly_and_often(half):
     time = np.arange(4000) * 1e-3
     speed = 4.0 * np.abs(np.mod(0.75 * time + 0.25, 1.0) - 0.5) - 1.0
     motor = 4.0 * np.cumsum(speed) / np.ptp(np.cumsum(speed))
-    output = following(motor, half) / 10.0
+    output = behind_play(motor, 2.0 * half) / 10.0
     stamps = np.rint(time * 1e9).astype(np.int64)
     assert np.mean(np.diff(output) == 0.0) > 0.2
     found = ratio_of_positions(Recording("a", stamps, {"motor_position": motor, "output_position": output}))
     assert found == pytest.approx(10.0, rel=2e-4)
-
-
-def following(motor, half):
-    """The motion (n,) [rad of the motor] of an output with friction behind play of twice this ``half`` width."""
-    held, output = 0.0, []
-    for driven in motor:
-        held = min(max(held, driven - half), driven + half)
-        output.append(held)
-    return np.array(output)
 
 
 @pytest.mark.parametrize("lag", [0.0, 3e-4, 2e-3])

@@ -113,13 +113,17 @@ def swung(count=3000):
     return {"angle [rad]": angle, "speed [rad/s]": 6.0 * np.cos(2.0 * time), "current [A]": 0.1 * np.cos(2.0 * time)}
 
 
-@pytest.mark.parametrize("left_out", ["speed [rad/s]", "angle [rad]", ""])
-def test_samples_without_their_time_are_no_points_unless_somebody_says_so(left_out, tmp_path):
-    columns = {name: values for name, values in swung().items() if name != left_out}
-    with pytest.raises(InputError, match=r"export the time too.*--operating-points"):
+def points_only_if_said_so(tmp_path, columns, asked):
+    with pytest.raises(InputError, match=rf"{asked}.*--operating-points"):
         drafted(tmp_path, columns)
     recording, _ = drafted(tmp_path, columns, operating_points=True)
     assert recording.of_points
+
+
+@pytest.mark.parametrize("left_out", ["speed [rad/s]", "angle [rad]", ""])
+def test_samples_without_their_time_are_no_points_unless_somebody_says_so(left_out, tmp_path):
+    columns = {name: values for name, values in swung().items() if name != left_out}
+    points_only_if_said_so(tmp_path, columns, "export the time too")
 
 
 def test_a_clock_that_drops_samples_is_a_clock(tmp_path):
@@ -135,10 +139,7 @@ def test_a_clock_that_drops_samples_is_a_clock(tmp_path):
 def test_slow_rows_are_asked_about(tmp_path):
     columns = {"time [s]": np.arange(90.0) * 2.0, "speed [rpm]": np.linspace(-900.0, 900.0, 90)}
     columns["current [A]"] = 0.1 * np.sign(columns["speed [rpm]"])
-    with pytest.raises(InputError, match=r"is it in ms\?.*--operating-points"):
-        drafted(tmp_path, columns)
-    recording, _ = drafted(tmp_path, columns, operating_points=True)
-    assert recording.of_points
+    points_only_if_said_so(tmp_path, columns, r"is it in ms\?")
 
 
 def test_a_propeller_is_drag_although_the_draft_has_friction(tmp_path):
