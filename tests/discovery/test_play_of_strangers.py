@@ -6,9 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ema_bench_replay.load import load
 from ema_bench_replay.recording import Recording
-from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.identification.hypothesis import INERTIAS
 from ema_twin_sim.identification.local_minima import output_weights, starting
@@ -17,9 +15,9 @@ from ema_twin_sim.measured.observe import observe
 from ema_twin_sim.measured.ratio_of_positions import ratio_of_positions
 from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.measured.speed_lag import speed_lag
-from ema_twin_sim.model import load_model
 from ema_twin_sim.new_machine.shaft import positions_part, whole_ratio
 from tests.accuracy.strangers.cases import stranger_cases
+from tests.by_draft import by_draft
 from tests.play import behind_play
 from tests.problems import problem_of
 from tests.recorded import changed, scaled
@@ -39,8 +37,7 @@ def of_servo(case, rate, **constants: object):
 def drafted(case, folder):
     """A case's recordings, and its model as ``init`` drafts it."""
     files = case.write(folder)
-    init(str(folder / "servo"), [files[0]])
-    return [load(file, import_map=folder / "servo_map.yaml") for file in files], load_model(folder / "servo.yaml")
+    return by_draft(folder, files, files[:1])
 
 
 @pytest.mark.slow

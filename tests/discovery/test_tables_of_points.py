@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.load import load
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.model import load_model
+from tests.by_draft import by_draft
 from tests.discovery.test_machines_of_others import level
 
 CONSTANT = 0.3  # N m/A
@@ -25,8 +24,8 @@ def written(tmp_path, columns, delimiter=","):
 def drafted(tmp_path, columns, delimiter=",", **said):
     """(recording, model) by what init drafts of such a table."""
     path = written(tmp_path, columns, delimiter)
-    init(str(tmp_path / "m"), [path], torque_constant=CONSTANT, force=True, **said)
-    return load(path, import_map=tmp_path / "m_map.yaml"), load_model(tmp_path / "m.yaml")
+    (recording,), model = by_draft(tmp_path, [path], torque_constant=CONSTANT, force=True, **said)
+    return recording, model
 
 
 def held(rng, angle, sense):

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.load import load
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.search.removing import less
 from ema_twin_sim.discovery.search.rivals import other_structures, swapped
 from ema_twin_sim.fitting.fit import fit_model
-from ema_twin_sim.model import ConstantValue, load_model
+from ema_twin_sim.model import ConstantValue
 from ema_twin_sim.simulation.behind_motor import refuse_encoders_alone
 from ema_twin_sim.simulation.simulate import simulate
+from tests.by_draft import by_draft
 from tests.play import behind_play
 from tests.recorded import changed
 from tests.trace_text import write_columns
@@ -95,17 +95,15 @@ def recorded(tmp_path, time, driven, seen, gear_ratio=None):
         step = 2.0 * np.pi / COUNTS
         read = turns * (angle - angle[0]) + noise.normal(0.0, 0.3 * step, len(time))
         columns[f"{side} position [rad]"] = np.round(read / step) * step
-    (recording,), model = by_draft(tmp_path, [columns], gear_ratio)
+    (recording,), model = of_columns(tmp_path, [columns], gear_ratio)
     return recording, model
 
 
-def by_draft(folder, runs, gear_ratio=None):
-    """Recordings of these columns, and the model, by what ``init`` drafts of them."""
+def of_columns(folder, runs, gear_ratio=None):
+    """Recordings of these columns, and their draft."""
     folder.mkdir(exist_ok=True)
     traces = [write_columns(folder / f"run_{k}.csv", columns) for k, columns in enumerate(runs)]
-    init(str(folder / "machine"), traces, gear_ratio)
-    recordings = [load(trace, import_map=folder / "machine_map.yaml") for trace in traces]
-    return recordings, load_model(folder / "machine.yaml")
+    return by_draft(folder, traces, gear_ratio=gear_ratio)
 
 
 @pytest.fixture(scope="module")
@@ -165,7 +163,7 @@ def test_a_carriage_has_play_too(tmp_path):
     way = 0.15 * moved(time, 1.0)
     sides = {"motor": way, "output": behind_play(way, 1.6e-4)}
     columns = {f"{side} position [m]": np.round((x - x[0]) / 1e-6) * 1e-6 for side, x in sides.items()}
-    found = discover(*by_draft(tmp_path, [{"time [s]": time, **columns}]))
+    found = discover(*of_columns(tmp_path, [{"time [s]": time, **columns}]))
     assert (found.verdict, found.added) == ("explained", ("backlash",))
     width = found.parameters["backlash"]["width"]
     assert width["unit"] == "m" and width["value"] == pytest.approx(1.6e-4, rel=0.15)
@@ -260,7 +258,7 @@ def test_play_between_stiff_teeth_keeps_its_place_against_a_spring(tmp_path):
         for side, a, counts in read:
             columns[f"{side} position [rad]"] = np.round(a / (2.0 * np.pi) * counts) / counts * 2.0 * np.pi
         runs.append(columns)
-    found = discover(*by_draft(tmp_path, runs, 80.0))
+    found = discover(*of_columns(tmp_path, runs, 80.0))
     assert (found.verdict, found.added, found.groups) == ("explained", ("backlash",), ())
     assert found.parameters["backlash"]["width"]["value"] == pytest.approx(2.5e-3, rel=0.02)
     assert found.unseen.rmse[-1] < 0.05 * found.unseen.rmse[0]

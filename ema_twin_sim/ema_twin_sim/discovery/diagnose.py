@@ -147,9 +147,8 @@ def weigh(found: Discovery) -> Diagnosis:
     held = {cause.key: penalised_gain(cause.before, cause.after) for cause in causes}
     if not contests and found.verdict != "unknown":
         # what gains and is not held was dropped, itself or as a rival: the search had reasons beyond its gain
-        contests = [
-            [c for c in tried if len(new_names(c.before, c.after)) == 1 and penalised_gain(c.before, c.after) <= 0.0]
-        ]
+        alone = [c for c in tried if len(new_names(c.before, c.after)) == 1]
+        contests = [[c for c in alone if penalised_gain(c.before, c.after) <= 0.0]]
     absent: dict[Kind, float] = {contender.key: 1.0 for contender in tried} | dict.fromkeys(held, 1.0)
     nothing = float(found.verdict != "unknown")
     for contest in contests:

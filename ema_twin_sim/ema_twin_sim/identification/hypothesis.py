@@ -91,6 +91,10 @@ class Hypothesis:
         )
         return replace(self, free=free).put(values)
 
+    def nominal(self) -> dict[str, float]:
+        """By path: the values that the model file gives, within a tolerance, to free parameters."""
+        return {free.path: free.prior[0] for free in self.free if free.prior is not None}
+
     def parameter_of(self, path: str) -> Parameter | None:
         """Catalogue entry of the free parameter at a ``path``; None if it is not an added effect's."""
         kind, _, rest = path.partition(".")

@@ -55,7 +55,8 @@ def hopped(best: Fit, names: Collection[str]) -> Fit:
         hops = (*_hops(best.hypothesis, names), *output_weights(best.hypothesis))
         beside = [starting(best.hypothesis, hop) for hop in hops]
         costs = [problem.misfit(problem.unexplained(rows)) for rows in problem.rows_of(beside)]
-        starts = [_as_in_the_model(best.hypothesis), *(beside[int(k)] for k in np.argsort(costs)[:1])]
+        as_filed = best.hypothesis.put(best.hypothesis.nominal())
+        starts = [as_filed, *(beside[int(k)] for k in np.argsort(costs)[:1])]
         better = cheapest(fits(problem, starts))
         much = costs_no_more(better, best, 1.0 - NEGLIGIBLE)
         best = cheapest((best, better))
@@ -101,8 +102,3 @@ def output_weights(h: Hypothesis) -> Iterator[dict[str, float]]:
         }
         if min(lighter.values()) > 0.0:
             yield {**dict.fromkeys(behind, factor), **lighter}
-
-
-def _as_in_the_model(h: Hypothesis) -> Hypothesis:
-    """A hypothesis with all constants that have a tolerance at their nominal values."""
-    return h.put({free.path: free.prior[0] for free in h.free if free.prior is not None})
