@@ -16,6 +16,7 @@ from ema_twin_sim.measured.observe import observe
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.problems import hypothesis_of
+from tests.recorded import record
 
 SLOW = ("triangle:0.015:2", 12.0)
 
@@ -97,7 +98,7 @@ def test_friction_that_follows_a_load_asks_for_a_long_way_to_and_fro(stock):
 @pytest.mark.slow
 def test_an_output_that_hardly_turned_is_asked_to_turn(stock):
     """Neither gravity nor an encoder off its centre shows within a small part of a turn."""
-    asked = plan([virtual_bench(stock, parse_command("triangle:0.04:1"), 12.0, seed=1)], stock)
+    asked = plan(record(stock, ("triangle:0.04:1",), 12.0), stock)
     hidden = {name for doubt in asked.in_doubt for name in doubt.rivals}
     assert {"gravity_load", "encoder_eccentricity"} <= hidden
     bench = virtual_bench(stock, parse_command(asked.proposal.command), asked.proposal.seconds, seed=None)
@@ -109,7 +110,7 @@ def test_an_output_that_hardly_turned_is_asked_to_turn(stock):
 
 @pytest.mark.slow
 def test_the_second_recording_asked_for_shows_what_the_first_did_not(stock):
-    recordings = [virtual_bench(stock, parse_command(SLOW[0]), SLOW[1], seed=1)]
+    recordings = record(stock, SLOW[:1], SLOW[1])
     first = plan(recordings, stock).proposal
     recordings.append(virtual_bench(stock, parse_command(first.command), first.seconds, seed=2))
     second = plan(recordings, stock)
@@ -122,9 +123,9 @@ def test_the_second_recording_asked_for_shows_what_the_first_did_not(stock):
 
 
 def test_a_limit_that_is_given_holds(stock):
-    slow = virtual_bench(stock, parse_command(SLOW[0]), SLOW[1], seed=1)
+    slow = record(stock, SLOW[:1], SLOW[1])
     limits = Limits(speed=0.04, acceleration=2.0, lower=0.0, upper=0.1, current=1.0)
-    asked = plan([slow], stock, limits=limits).proposal
+    asked = plan(slow, stock, limits=limits).proposal
     done = virtual_bench(stock, parse_command(asked.command), asked.seconds, seed=None).signals
     assert done["output_position"].max() < 0.104 and done["output_position"].min() > -0.004
     assert np.abs(done["speed"]).max() < 1.06 * 0.04 * stock.value("machine.gear_ratio")

@@ -15,10 +15,9 @@ from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.on_bound import TURNED, on_bounds, reached_bound, torque_sign_reversed
 from ema_twin_sim.measured.observe import observe
 from ema_twin_sim.plant.measured_motion import SPEED
-from ema_twin_sim.simulation.command import parse_command
-from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.large_arm import COULOMB, INERTIA, VISCOUS, open_arm, swings_of
-from tests.recorded import changed
+from tests.problems import fit_of
+from tests.recorded import changed, record
 
 
 def test_the_rule():
@@ -32,11 +31,9 @@ def test_the_rule():
 def stribeck_seen(stock, speed, command):
     """What is said of a friction that falls over ``speed`` [rad/s], fitted to one motion."""
     effect = {"torque": 0.2, "speed": speed}
-    run = virtual_bench(stock.with_effect("stribeck_friction", effect), parse_command(command), 10.0, seed=1)
-    problem = EquationErrorProblem([observe(run, stock)])
-    start = {**effect, "speed": 1.0}
-    found = fit(problem, null_hypothesis(stock).with_effect("stribeck_friction", {"law": "exponential"}, start), 20)
-    return on_bounds(problem, found, standard_errors(problem, found)), problem
+    runs = record(stock.with_effect("stribeck_friction", effect), (command,), 10.0)
+    found = fit_of(runs, stock, 20, stribeck_friction={**effect, "speed": 1.0})
+    return on_bounds(found.problem, found, standard_errors(found.problem, found)), found.problem
 
 
 def test_a_speed_beyond_those_driven_is_on_its_bound(stock):
