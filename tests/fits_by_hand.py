@@ -1,20 +1,11 @@
 """Problems and fits of a few rows that tests make by hand: what a search compares, without anything that was fitted."""
 
-import math
-from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
 
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-
-
-def an_open(stock):
-    """The model with an open inertia."""
-    inertia = replace(stock.constants["machine.motor_inertia"], tolerance=math.inf)
-    return replace(stock, constants={**stock.constants, "machine.motor_inertia": inertia})
-
 
 COMPARES = SimpleNamespace(compares_with=lambda other: True)
 

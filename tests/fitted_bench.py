@@ -1,14 +1,13 @@
 """Benches for the tests of fits, and how their results are read."""
 
-from ema_twin_sim.simulation.command import parse_command
-from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.recorded import record
 
 SLOW = ("ramp:0.03", "sine:0.05:0.25", "triangle:0.04:2")
 FAST = ("ramp:0.2", "sine:0.3:0.25", "triangle:0.1:1")
 
 
 def bench(model, commands, seconds=6.0, seed=0):
-    return [virtual_bench(model, parse_command(c), seconds, seed=100 * seed + k) for k, c in enumerate(commands)]
+    return record(model, commands, seconds, 100 * seed)
 
 
 def with_effects(model, effects, typical=False):

@@ -7,6 +7,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.model import load_model
+from tests.opened import with_open_effects
 
 INERTIA, VISCOUS, COULOMB, WEIGHT, ANGLE = 40.0, 30.0, 20.0, 300.0, 2.5
 
@@ -20,8 +21,7 @@ def open_arm(inertia=10.0):
     model = replace(model, constants=constants)
     model = model.with_value("effects.viscous_friction.coefficient", 1.0)
     model = model.with_value("effects.coulomb_friction.torque", 1.0)
-    model = model.with_effect("gravity_load", {"torque": 10.0, "angle": 0.0})
-    return replace(model, effects={name: replace(held, open=True) for name, held in model.effects.items()})
+    return with_open_effects(model.with_effect("gravity_load", {"torque": 10.0, "angle": 0.0}))
 
 
 def swings_of(model):

@@ -1,5 +1,9 @@
 """Recordings that tests make: of the virtual bench, and with other signals than it gave."""
 
+from dataclasses import replace
+
+import numpy as np
+
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
@@ -26,7 +30,19 @@ def with_signals(recording, signals, stamps=None):
     )
 
 
+def changed(recording, **signals):
+    """The recording with these signals (n,) in place of its own."""
+    return replace(recording, signals={**recording.signals, **signals})
+
+
+def lined(recordings, amplitude, lines=300.0):
+    """The recordings of an output encoder that errs within its lines by so much [rad], of so many waves in a radian."""
+    shown = [recording.signals["output_position"] for recording in recordings]
+    return [
+        changed(r, output_position=a + amplitude * np.sin(lines * a)) for r, a in zip(recordings, shown, strict=True)
+    ]
+
+
 def scaled(recording, **factors):
     """The recording with these signals times these factors."""
-    signals = dict(recording.signals)
-    return with_signals(recording, {**signals, **{name: f * signals[name] for name, f in factors.items()}})
+    return changed(recording, **{name: factor * recording.signals[name] for name, factor in factors.items()})

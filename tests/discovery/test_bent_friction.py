@@ -1,7 +1,6 @@
 """Friction that bends down with speed, on joints of which no constant is known: found, though its numbers are not."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +8,7 @@ import pytest
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.model import load_model
+from tests.opened import with_open_effects
 
 NOISE = 0.05  # A
 
@@ -17,8 +17,7 @@ def open_joint():
     model = load_model("laas_motor")
     model = model.with_value("machine.torque_constant", 10.0).with_value("sensors.current_noise", NOISE)
     model = model.with_value("sensors.sample_period", 0.01)
-    model = model.with_effect("coulomb_friction", {"torque": 1.0})
-    return replace(model, effects={name: replace(held, open=True) for name, held in model.effects.items()})
+    return with_open_effects(model.with_effect("coulomb_friction", {"torque": 1.0}))
 
 
 def moved(torque_of_speed, seed, seconds=40.0, largest=1.0):

@@ -11,32 +11,11 @@ from ema_twin_sim.discovery.criteria.worth import has_effect_size, largest_rms_r
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.search.adding import settle
 from ema_twin_sim.identification.cramer_rao import whitened
-from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observe import observe_all
 from tests.accuracy.folders import readable_train
 from tests.accuracy.limits import limit_of, limited_bench
-from tests.recorded import record, with_signals
-
-RUNS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")
-
-
-def lined(recordings, amplitude):
-    """The recordings of an output encoder that errs within its lines by so much [rad]."""
-    found = []
-    for recording in recordings:
-        output = recording.signals["output_position"]
-        wave = amplitude * np.sin(300.0 * output)
-        found.append(with_signals(recording, {**recording.signals, "output_position": output + wave}))
-    return found
-
-
-def test_white_noise_leaves_a_slope_what_least_squares_leave_it():
-    random = np.random.default_rng(1)
-    noise, slopes = random.normal(0.0, 0.5, 1500), random.normal(size=(1500, 1))
-    white = whitened(np.arange(1500) * 5, noise, slopes)
-    assert float(np.sum(white**2)) == pytest.approx(float(np.sum(slopes**2)) / 0.25, rel=0.15)
+from tests.problems import fit_of, problem_of
+from tests.recorded import COMMANDS, lined, record
 
 
 def test_a_wave_is_told_by_the_noise_at_its_own_frequency():
@@ -54,22 +33,24 @@ def test_a_wave_is_told_by_the_noise_at_its_own_frequency():
 
 
 def test_what_leaves_nothing_is_told_for_sure_and_a_long_recording_in_little_memory():
-    """A band of the covariance is kept, not the whole: of 15,000 rows that would be 1.8 GB."""
+    """A band of the covariance is kept, not the whole: of 15,000 rows that would be 1.8 GB.
+
+    White noise leaves a slope what least squares leave it.
+    """
     slopes = np.random.default_rng(3).normal(size=(15_000, 1))
     exact = whitened(np.arange(15_000), np.zeros(15_000), slopes)
     assert np.isfinite(exact).all() and float(np.sum(exact**2)) > 1e12
     noise = np.random.default_rng(4).normal(0.0, 0.5, 15_000)
-    white = whitened(np.arange(15_000), noise, slopes)
+    white = whitened(np.arange(15_000) * 5, noise, slopes)
     assert float(np.sum(white**2)) == pytest.approx(float(np.sum(slopes**2)) / 0.25, rel=0.15)
 
 
 def test_lines_that_an_encoder_interpolates_wrongly_do_not_hide_a_torque(stock):
     """How far the encoders part says nothing of how well the torque is known."""
-    recordings = record(stock.with_effect("cogging", {"torque": 0.003, "phase": 0.3}), RUNS)
+    recordings = record(stock.with_effect("cogging", {"torque": 0.003, "phase": 0.3}))
     gains = []
     for shown in (recordings, lined(recordings, 3e-5)):
-        problem = EquationErrorProblem(observe_all(shown, stock))
-        bare = settle(fit(problem, null_hypothesis(stock)))
+        bare = settle(fit_of(shown, stock))
         with_cogging = bare.hypothesis.with_effect("cogging", {"order": "24"}, {"torque": 0.002, "phase": 0.3})
         gains.append(penalised_gain(bare, fit(bare.problem, with_cogging)))
     assert gains[1] == pytest.approx(gains[0], rel=0.02)
@@ -77,17 +58,16 @@ def test_lines_that_an_encoder_interpolates_wrongly_do_not_hide_a_torque(stock):
 
 def delay_stands(recordings, stock):
     """Whether an encoder's delay stands that is fitted to recordings as if nothing gave way."""
-    problem = EquationErrorProblem(observe_all(recordings, stock))
-    f = settle(fit(problem, null_hypothesis(stock).with_effect("encoder_delay", {}, {"delay": 1e-5})))
+    f = settle(fit_of(recordings, stock, encoder_delay={"delay": 1e-5}))
     return by_own_shape(f.problem, f) == ("encoder_delay",)
 
 
 def test_a_small_delay_stands_beside_what_the_encoder_errs_by_between_its_lines(stock):
-    assert delay_stands(lined(record(stock.with_effect("encoder_delay", {"delay": 2e-4}), RUNS), 1e-5), stock)
+    assert delay_stands(lined(record(stock.with_effect("encoder_delay", {"delay": 2e-4})), 1e-5), stock)
 
 
 def test_a_shaft_that_winds_up_is_no_delay(stock):
-    wound_up = record(stock.with_effect("shaft_compliance", {"stiffness": 400.0, "damping": 0.1}), RUNS)
+    wound_up = record(stock.with_effect("shaft_compliance", {"stiffness": 400.0, "damping": 0.1}))
     assert not delay_stands(lined(wound_up, 1e-5), stock)
 
 
@@ -104,10 +84,9 @@ def test_cogging_of_three_times_the_limit_is_named_on_an_unkind_bench():
 )
 def test_a_wave_over_the_motors_angle_is_named_below_the_size_that_others_need(effect, angle, options, named, stock):
     """Nothing else that a model gets slightly wrong repeats with each turn of the motor."""
-    noise = float(np.median(EquationErrorProblem(observe_all(record(stock, RUNS), stock)).noise))
+    noise = float(np.median(problem_of(record(stock), stock).noise))
     hidden = {"torque": 0.17 * math.sqrt(2.0) * noise, angle: 0.3}
-    problem = EquationErrorProblem(observe_all(record(stock.with_effect(effect, hidden), RUNS), stock))
-    bare = settle(fit(problem, null_hypothesis(stock)))
+    bare = settle(fit_of(record(stock.with_effect(effect, hidden)), stock))
     after = fit(bare.problem, bare.hypothesis.with_effect(effect, options, hidden))
     assert largest_rms_reduction(bare.problem, bare, after) < LEAST_SIZE
     assert has_effect_size(bare.problem, bare, after) == named
@@ -122,20 +101,19 @@ def test_the_order_that_noise_shows_most_is_one_of_many(stock):
 
 
 def test_a_delay_stands_out_of_lines_that_part_the_encoders_more_than_it_does(stock):
-    runs = (*RUNS, "ramp:0.08", "triangle:0.08:2", "sine:0.07:0.4")
+    runs = (*COMMANDS, "ramp:0.08", "triangle:0.08:2", "sine:0.07:0.4")
     late = lined(record(stock.with_effect("encoder_delay", {"delay": 6e-5}), runs, 10.0), 2e-5)
     assert delay_has_size(late, stock)
 
 
 def test_lines_alone_are_no_delay(stock):
-    assert not delay_has_size(lined(record(stock, RUNS), 2e-5), stock)
+    assert not delay_has_size(lined(record(stock), 2e-5), stock)
 
 
 def delay_has_size(recordings, stock):
     """Whether an encoder's delay is large enough to be named that takes hardly any of what the encoders part by."""
-    problem = EquationErrorProblem(observe_all(recordings, stock))
-    bare = settle(fit(problem, null_hypothesis(stock)))
+    bare = settle(fit_of(recordings, stock))
     after = fit(bare.problem, bare.hypothesis.with_effect("encoder_delay", {}, {"delay": 1e-5}))
-    part = slice(problem.size, problem.rows)
+    part = slice(bare.problem.size, bare.problem.rows)
     assert np.sum(after.raw[part] ** 2) > 0.9 * np.sum(bare.raw[part] ** 2)
     return has_effect_size(bare.problem, bare, after)

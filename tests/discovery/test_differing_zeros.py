@@ -6,46 +6,32 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ema_bench_replay.recording import AT, Recording
+from ema_bench_replay.recording import AT
 from ema_twin_sim.discovery.differing_zeros import as_recorded, differing_zeros, of_differing_zeros, with_zeros_moved
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.identification.equation import EquationErrorProblem
-from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observe import observe_all
-from tests.open_motor import open_motor
+from tests.open_motor import open_motor, recorded_motion
+from tests.problems import fit_of
 
 PERIOD, SECONDS = 2e-3, 12.0
 INERTIA, VISCOUS, DRY = 2e-4, 4e-4, 0.02
 WAVES = ((7, 0.025, 0.3), (12, 0.006, 1.0))  # order, N m, rad
-NOISE = 2e-3  # A, at 1 N m/A
+NOISE = 2e-3  # A, at 1 N m/A, of ``recorded_motion``
 
 
 def turning(name, zero, rate, waves=WAVES, seconds=SECONDS, way=12.0):
     """A motor that turns to and fro; its counter reads 0 where its angle is ``zero`` [rad]."""
-    random = np.random.default_rng(ord(name))
     time = np.arange(round(seconds / PERIOD)) * PERIOD
     fast = 2.0 * math.pi * rate
     angle = way * np.sin(fast * time) + zero
     speed, acceleration = way * fast * np.cos(fast * time), -way * fast**2 * np.sin(fast * time)
     torque = INERTIA * acceleration + VISCOUS * speed + DRY * np.sign(speed)
     torque += sum(size * np.sin(order * angle + phase) for order, size, phase in waves)
-    signals = {
-        "current": torque + NOISE * random.standard_normal(len(time)),
-        "speed": speed + 1e-3 * random.standard_normal(len(time)),
-        "motor_position": angle - zero,
-    }
-    return Recording(name, (time * 1e9).astype(np.int64), signals, motor_angle_origin=0.0)
+    return recorded_motion(name, time, torque, speed, angle - zero, np.random.default_rng(ord(name)))
 
 
 @pytest.fixture(scope="module")
 def motor():
     return open_motor(1.0, NOISE, PERIOD, speed_noise=1e-3)
-
-
-def fitted(recordings, motor):
-    problem = EquationErrorProblem(observe_all(recordings, motor))
-    return fit(problem, null_hypothesis(motor))
 
 
 ZEROS = {"a": 0.0, "b": 0.0, "c": 0.9, "d": -1.7}
@@ -57,11 +43,11 @@ def anew(waves=WAVES, zeros=ZEROS):
 
 def test_the_angles_between_the_zeros_are_found(motor):
     """Twelve waves a turn tell by how many cycles of the seven it was."""
-    by = differing_zeros(fitted(anew(), motor))
+    by = differing_zeros(fit_of(anew(), motor))
     apart = {name: by.get(name, 0.0) - by.get("a", 0.0) for name in ZEROS}
     assert apart == pytest.approx(ZEROS, abs=0.02)
     moved = with_zeros_moved(anew(), as_recorded(anew(), by, motor))
-    assert not differing_zeros(fitted(moved, motor))
+    assert not differing_zeros(fit_of(moved, motor))
     cogs = motor.with_effect("cogging", {"torque": 0.025, "phase": 0.3}, {"order": "7"})
     for end, then in (
         (cogs, "move them to that of the new model"),
@@ -73,9 +59,9 @@ def test_the_angles_between_the_zeros_are_found(motor):
 
 def test_nothing_is_moved_where_the_zeros_agree_or_nothing_repeats(motor):
     together = dict.fromkeys(ZEROS, 0.4)
-    assert not differing_zeros(fitted(anew(zeros=together), motor))
-    assert not differing_zeros(fitted(anew(waves=()), motor))
-    assert not differing_zeros(fitted(anew()[:1], motor))
+    assert not differing_zeros(fit_of(anew(zeros=together), motor))
+    assert not differing_zeros(fit_of(anew(waves=()), motor))
+    assert not differing_zeros(fit_of(anew()[:1], motor))
     assert not of_differing_zeros({}, motor, motor)
 
 
@@ -83,19 +69,19 @@ def test_nothing_is_moved_where_the_zeros_agree_or_nothing_repeats(motor):
 def test_a_recording_in_which_nothing_repeats_tells_no_zero(way, motor):
     """Over a part of a wave its amplitude is noise, many times the others'."""
     given = [*anew(zeros={"a": 0.0, "b": 0.0}), turning("c", 0.0, 0.5, way=way)]
-    assert not differing_zeros(fitted(given, motor))
+    assert not differing_zeros(fit_of(given, motor))
 
 
 def test_a_wave_that_one_recording_alone_shows_tells_no_zero(motor):
     """A slight one at its order is moved along in the others, to gain a little: a machine's waves have one size."""
     slight = [turning(name, 0.0, 0.12, ((7, 0.003, phase),)) for name, phase in (("b", 1.3), ("c", -0.5))]
-    assert not differing_zeros(fitted([turning("a", 0.0, 0.1, ((7, 0.025, 0.3),)), *slight], motor))
+    assert not differing_zeros(fit_of([turning("a", 0.0, 0.1, ((7, 0.025, 0.3),)), *slight], motor))
 
 
 def test_a_model_that_cogs_already_says_where_the_zero_is(motor):
     """What is left of a known wave in a turned recording is another wave, which says nothing of the zero."""
     cogs = motor.with_effect("cogging", {"torque": 0.025, "phase": 0.3}, {"order": "7"})
-    assert not differing_zeros(fitted(anew(), cogs))
+    assert not differing_zeros(fit_of(anew(), cogs))
 
 
 def test_positions_of_the_output_are_moved_by_the_outputs_angle(motor):

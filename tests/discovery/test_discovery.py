@@ -12,13 +12,13 @@ from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.criteria import CLEARLY_MORE
 from ema_twin_sim.discovery.criteria.contradictions import contradictions
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.observe import observe, observe_all
 from ema_twin_sim.measured.smoothing import gaussian, smooth
 from ema_twin_sim.measured.spoilt_samples import despiked
-from tests.recorded import COMMANDS, record, with_signals
+from tests.opened import with_open_effects
+from tests.problems import fit_of, hypothesis_of, problem_of
+from tests.recorded import COMMANDS, changed, record, with_signals
 
 
 @pytest.fixture(scope="module")
@@ -47,8 +47,8 @@ def test_a_spike_goes_and_a_corner_stays():
 
 
 def test_the_right_model_leaves_the_sensors_noise(plain, stock):
-    problem = EquationErrorProblem(observe_all(plain, stock))
-    residual = problem.residual(problem.predict(null_hypothesis(stock)))
+    problem = problem_of(plain, stock)
+    residual = problem.residual(problem.predict(hypothesis_of(stock)))
     for parts in (problem.torque_parts, problem.encoder_parts):
         for part in parts:
             assert 0.8 < np.std(residual[part]) < 1.25
@@ -57,11 +57,9 @@ def test_the_right_model_leaves_the_sensors_noise(plain, stock):
 def test_constants_are_found_again(stock):
     true = stock.with_value("machine.motor_inertia", 1.04 * stock.value("machine.motor_inertia"))
     true = true.with_value("effects.viscous_friction.coefficient", 0.97 * 0.0255)
-    problem = EquationErrorProblem(observe_all(record(true), stock))
-    found = fit(problem, null_hypothesis(stock)).hypothesis.model()
-    assert found.value("machine.motor_inertia") + found.value("machine.output_inertia") == pytest.approx(
-        true.value("machine.motor_inertia") + true.value("machine.output_inertia"), rel=0.01
-    )
+    found = fit_of(record(true), stock).hypothesis.model()
+    inertia, expected = (sum(m.value(f"machine.{side}_inertia") for side in ("motor", "output")) for m in (found, true))
+    assert inertia == pytest.approx(expected, rel=0.01)
     assert found.effects["viscous_friction"].parameters["coefficient"] == pytest.approx(0.97 * 0.0255, rel=0.01)
 
 
@@ -111,34 +109,33 @@ def test_an_effect_that_may_not_be_named_leaves_an_unknown(stock):
     assert "order" in found.depends_on
 
 
-def with_frictions_times(model, times):
-    """The model with dry and viscous friction times a factor."""
-    for path in ("coulomb_friction.torque", "viscous_friction.coefficient"):
-        name, parameter = path.split(".")
-        model = model.with_value(f"effects.{path}", times * model.effects[name].parameters[parameter])
+def with_frictions_times(model, dry, viscous):
+    """The model with dry and viscous friction times these factors."""
+    for name, parameter, times in (("coulomb_friction", "torque", dry), ("viscous_friction", "coefficient", viscous)):
+        model = model.with_value(f"effects.{name}.{parameter}", times * model.effects[name].parameters[parameter])
     return model
 
 
-def test_recordings_of_two_machines_are_noticed(stock):
-    other = stock.with_value("effects.coulomb_friction.torque", 2.0 * 0.0676)
-    (odd,) = record(other, COMMANDS[2:])
-    runs = [*record(stock, COMMANDS[:2]), replace(odd, name="odd")]
-    problem = EquationErrorProblem(observe_all(runs, stock))
-    told = contradictions(problem, fit(problem, null_hypothesis(stock)))
+def with_an_odd_one(stock, dry, viscous):
+    """A problem of recordings of which the last is one of a machine with other frictions."""
+    (odd,) = record(with_frictions_times(stock, dry, viscous), COMMANDS[2:])
+    return problem_of([*record(stock, COMMANDS[:2]), replace(odd, name="odd")], stock)
+
+
+def test_recordings_of_two_machines_are_noticed(plain, stock):
+    problem = with_an_odd_one(stock, 2.0, 1.0)
+    told = contradictions(problem, fit(problem, hypothesis_of(stock)))
     assert told and all(sentence.startswith("odd: needs ") for sentence in told)
-    same = EquationErrorProblem(observe_all(record(stock), stock))
-    assert contradictions(same, fit(same, null_hypothesis(stock))) == ()
+    same = fit_of(plain, stock)
+    assert contradictions(same.problem, same) == ()
 
 
 @pytest.mark.parametrize("times", [1.05, 2.0])
 def test_shares_of_friction_are_of_what_was_fitted_and_not_of_a_guess(stock, times):
-    guess = with_frictions_times(stock, 0.1)
-    guess = replace(guess, effects={name: replace(held, open=True) for name, held in guess.effects.items()})
-    (odd,) = record(with_frictions_times(stock, times), COMMANDS[2:])
-    runs = [*record(stock, COMMANDS[:2]), replace(odd, name="odd")]
-    problem = EquationErrorProblem(observe_all(runs, stock))
+    guess = with_open_effects(with_frictions_times(stock, 0.1, 0.1))
+    problem = with_an_odd_one(stock, times, times)
     for model in (stock, guess):
-        told = contradictions(problem, fit(problem, null_hypothesis(model), 20))
+        told = contradictions(problem, fit(problem, hypothesis_of(model), 20))
         assert any("odd: needs" in said and "friction" in said for said in told) == (times == 2.0)
 
 
@@ -153,29 +150,23 @@ def test_recordings_that_cannot_be_judged_are_refused(plain, stock):
         observe_all(still, stock)
 
 
-def test_counters_and_current_alone_are_enough(stock):
-    runs = record(stock.with_effect("constant_load", {"torque": 0.02}))
-    bare = [
-        Recording(
-            r.name,
-            r.stamps,
-            {name: r.signals[name] for name in ("current", "motor_position", "output_position")},
-            motor_angle_origin=0.0,
-            output_angle_origin=0.0,
-        )
-        for r in runs
-    ]
-    found = discover(bare, stock)
+@pytest.fixture(scope="module")
+def loaded(stock):
+    """Recordings of it with a load."""
+    return record(stock.with_effect("constant_load", {"torque": 0.02}))
+
+
+def test_counters_and_current_alone_are_enough(stock, loaded):
+    told = ("current", "motor_position", "output_position")
+    found = discover([with_signals(r, {name: r.signals[name] for name in told}) for r in loaded], stock)
     assert (found.verdict, found.added) == ("explained", ("constant_load",))
     assert found.unseen.unit == "N m"
 
 
-def test_a_gap_and_a_nan_do_not_matter(stock):
-    runs = record(stock.with_effect("constant_load", {"torque": 0.02}))
-    current = runs[0].signals["current"].copy()
+def test_a_gap_and_a_nan_do_not_matter(stock, loaded):
+    current = loaded[0].signals["current"].copy()
     current[1000:1040] = np.nan
-    found = discover([with_signals(runs[0], {**runs[0].signals, "current": current}), *runs[1:]], stock)
-    assert found.added == ("constant_load",)
+    assert discover([changed(loaded[0], current=current), *loaded[1:]], stock).added == ("constant_load",)
 
 
 @pytest.mark.slow

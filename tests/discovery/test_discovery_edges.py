@@ -13,34 +13,32 @@ from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.evidence import evidence_json
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.identification.compliance import structural_fits
-from ema_twin_sim.identification.equation import EquationErrorProblem
-from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observe import observe, observe_all
+from ema_twin_sim.measured.observe import observe
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.large_arm import open_arm
-from tests.recorded import COMMANDS, record, with_signals
+from tests.problems import fit_of
+from tests.recorded import COMMANDS, changed, record, with_signals
+
+
+@pytest.fixture(scope="module")
+def heavy(stock):
+    """The stock machine with an arm."""
+    return stock.with_effect("gravity_load", {"torque": 0.09, "angle": 0.5})
 
 
 @pytest.mark.parametrize("step", [0.01, 0.02])
-def test_a_coarse_current_hides_no_load_and_invents_nothing(step, stock):
-    true = stock.with_effect("gravity_load", {"torque": 0.09, "angle": 0.5})
-    coarse = [
-        with_signals(r, {**r.signals, "current": step * np.round(r.signals["current"] / step)}) for r in record(true)
-    ]
+def test_a_coarse_current_hides_no_load_and_invents_nothing(step, stock, heavy):
+    coarse = [changed(r, current=step * np.round(r.signals["current"] / step)) for r in record(heavy)]
     found = discover(coarse, stock)
     assert (found.verdict, found.added) == ("explained", ("gravity_load",))
 
 
 @pytest.mark.slow
-def test_a_recording_at_standstill_among_others_is_no_error(stock):
-    true = stock.with_effect("gravity_load", {"torque": 0.09, "angle": 0.5})
-    recordings = [
-        *record(true, COMMANDS[:2]),
-        virtual_bench(true, parse_command("ramp:1e-9"), 4.0, seed=9, name="still"),
-    ]
+def test_a_recording_at_standstill_among_others_is_no_error(stock, heavy):
+    still = virtual_bench(heavy, parse_command("ramp:1e-9"), 4.0, seed=9, name="still")
+    recordings = [*record(heavy, COMMANDS[:2]), still]
     found = discover(recordings, stock)
     assert found.added == ("gravity_load",)
     assert evidence_json(found)["steps"]
@@ -61,9 +59,9 @@ def test_no_row_stands_on_samples_at_rest(period):
     assert len(seen.rows) * np.diff(seen.rows).min() * period > 14.0  # s of 20: the rest are its reversals
 
 
-def test_constants_that_all_moved_for_sure_stay_where_they_are(stock, monkeypatch):
+def test_constants_that_all_moved_for_sure_stay_where_they_are(stock, heavy, monkeypatch):
     monkeypatch.setattr(unmoved, "LIKELY", 0.0)  # standard errors: whatever is not exactly at its file's value
-    found = discover(record(stock.with_effect("gravity_load", {"torque": 0.09, "angle": 0.5})), stock)
+    found = discover(record(heavy), stock)
     assert (found.verdict, found.added) == ("explained", ("gravity_load",))
     assert {"inertia", "motor inertia", "motor_inertia"} & {*found.constants["machine"]}
 
@@ -78,20 +76,14 @@ def test_a_model_with_play_is_fitted_without_an_output_encoder(stock):
     assert 0.0 < width["value"] < 0.0025 and width["std"] > 1e-5  # the torque has none to show
 
 
-def test_counts_that_a_counter_lost_are_no_play(plain_pair, stock):
-    recording, jumped = plain_pair
+def test_counts_that_a_counter_lost_are_no_play(stock):
+    """An output encoder loses 2 mrad on its way."""
+    recording, *others = record(stock)
+    jumped = changed(recording, output_position=recording.signals["output_position"] - 0.002 * (recording.time > 4.0))
     whole, broken = observe(recording, stock), observe(jumped, stock)
     assert whole.encoder_piece.max() == 0 and broken.encoder_piece.max() == 1
-    found = discover([jumped, *record(stock)[1:]], stock)
+    found = discover([jumped, *others], stock)
     assert (found.verdict, found.added) == ("none", ())
-
-
-@pytest.fixture
-def plain_pair(stock):
-    """A recording of the stock machine, and the same whose output encoder loses 2 mrad on its way."""
-    recording = record(stock)[0]
-    lost = recording.signals["output_position"] - 0.002 * (recording.time > 4.0)
-    return recording, with_signals(recording, {**recording.signals, "output_position": lost})
 
 
 def test_a_long_gap_is_refused_with_its_place(stock):
@@ -118,10 +110,9 @@ def test_all_long_gaps_are_told_at_once_with_the_longest_part_between_them(stock
     observe(part, stock)
 
 
-def test_an_effect_that_is_switched_off_can_be_found(stock):
+def test_an_effect_that_is_switched_off_can_be_found(stock, heavy):
     model = stock.with_effect("gravity_load", {"torque": 0.05, "angle": 0.0}).with_enabled("gravity_load", False)
-    true = stock.with_effect("gravity_load", {"torque": 0.09, "angle": 0.5})
-    assert discover(record(true), model).added == ("gravity_load",)
+    assert discover(record(heavy), model).added == ("gravity_load",)
 
 
 @pytest.mark.slow
@@ -136,8 +127,8 @@ def test_coulomb_friction_is_found_on_both_sides_of_play(stock):
 
 
 def test_play_that_is_barred_leaves_the_spring_to_be_tried(stock):
-    problem = EquationErrorProblem(observe_all(record(stock.with_effect("backlash", {"width": 0.003})), stock))
-    tried = structural_fits(problem, fit(problem, null_hypothesis(stock)), frozenset({"backlash"}))
+    f = fit_of(record(stock.with_effect("backlash", {"width": 0.003})), stock)
+    tried = structural_fits(f.problem, f, frozenset({"backlash"}))
     assert [f.hypothesis.effects for f in tried] == [("shaft_compliance",)]
 
 
@@ -163,11 +154,10 @@ def test_in_one_direction_play_is_not_named_but_not_overlooked_either(stock):
 
 
 @pytest.mark.parametrize("hidden", [False, True])
-def test_a_missing_sample_does_not_hide_how_coarse_a_current_is(hidden, stock):
+def test_a_missing_sample_does_not_hide_how_coarse_a_current_is(hidden, stock, heavy):
     """Values that are filled in between lie on no step of the current's resolution."""
-    true = stock.with_effect("gravity_load", {"torque": 0.09, "angle": 0.5}) if hidden else stock
     runs = []
-    for r in record(true):
+    for r in record(heavy if hidden else stock):
         kept = np.arange(len(r)) != 1000
         current = 0.02 * np.round(r.signals["current"] / 0.02)
         signals = {name: values[kept] for name, values in {**r.signals, "current": current}.items()}
@@ -184,7 +174,7 @@ def test_what_comes_and_goes_is_told_with_its_times(stock):
         shaken = run.signals["current"].copy()
         there = (run.time > 3.0 + k) & (run.time < 3.8 + k)
         shaken[there] += 0.08 * np.sign(run.signals["speed"][there])
-        runs.append(with_signals(run, {**run.signals, "current": shaken}))
+        runs.append(changed(run, current=shaken))
     found = discover(runs, stock)
     assert (found.verdict, found.added, found.depends_on) == ("unknown", (), ("time",))
     assert "run0 from 3.0" in found.stopped and "against the motion" in found.stopped
@@ -192,6 +182,5 @@ def test_what_comes_and_goes_is_told_with_its_times(stock):
 
 def test_a_current_that_does_not_change_is_refused(stock):
     (run,) = record(stock, COMMANDS[:1])
-    dead = with_signals(run, {**run.signals, "current": np.zeros(len(run))})
     with pytest.raises(InputError, match="0 A all along"):
-        observe(dead, stock)
+        observe(changed(run, current=np.zeros(len(run))), stock)

@@ -14,10 +14,9 @@ from ema_twin_sim.discovery.search.search import search
 from ema_twin_sim.discovery.search.trace import Round, Search
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.effects.effect import QUANTITIES
-from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observe import observe_all
+from tests.problems import fit_of, hypothesis_of, problem_of
 from tests.recorded import record
 
 RUNS = ("ramp:0.05", "ramp:0.1", "triangle:0.06:2", "sine:0.05:0.4")
@@ -54,16 +53,15 @@ def test_friction_curves_that_look_alike_are_told_apart_in_company(stock):
 
 
 def test_constants_far_from_their_file_are_noticed(stock):
-    problem = EquationErrorProblem(observe_all(record(stock, RUNS), stock))
-    assert strained(fit(problem, null_hypothesis(stock))) == ()
+    f = fit_of(record(stock, RUNS), stock)
+    assert strained(f) == ()
     heavier = stock.with_value("machine.motor_inertia", 2.0 * stock.value("machine.motor_inertia"))
-    assert strained(fit(problem, null_hypothesis(heavier))) == ("acceleration",)
+    assert strained(fit(f.problem, null_hypothesis(heavier))) == ("acceleration",)
 
 
 def test_a_cause_for_each_constant_is_no_explanation(stock):
     """All torques off by one factor: without a torque constant, each number would need a cause of its own."""
-    recordings = record(stock.with_effect("torque_constant_error", {"scale": 0.7}), RUNS)
-    problem = EquationErrorProblem(observe_all(recordings, stock))
+    problem = problem_of(record(stock.with_effect("torque_constant_error", {"scale": 0.7}), RUNS), stock)
     found = search(problem, null_hypothesis(stock), frozenset({"torque_constant_error"}))
     assert len(only_constants(found.fit.problem, found.fit)) > 1
     two = null_hypothesis(stock).with_effect("viscous_friction", {"side": "motor"}, {"coefficient": 1e-3})
@@ -79,9 +77,9 @@ def test_an_inertia_that_is_worth_its_price_is_large_enough(more, stock):
     """Nothing but a constant off its file shows it: how large it is among the rows is no matter."""
     inertia = sum(stock.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
     added = {"inertia": more * inertia}
-    problem = EquationErrorProblem(observe_all(record(stock.with_effect("added_inertia", added), RUNS), stock))
-    before = fit(problem, null_hypothesis(stock), 20)
-    after = fit(problem, null_hypothesis(stock).with_effect("added_inertia", {}, added), 20)
+    before = fit_of(record(stock.with_effect("added_inertia", added), RUNS), stock, 20)
+    problem = before.problem
+    after = fit(problem, hypothesis_of(stock, added_inertia=added), 20)
     assert (penalised_gain(before, after) > 0.0) == has_effect_size(problem, before, after)
     assert has_effect_size(problem, before, after) == (more > 0.16)
 
@@ -89,45 +87,33 @@ def test_an_inertia_that_is_worth_its_price_is_large_enough(more, stock):
 def test_a_torque_constant_stands_behind_all_constants_or_none(stock):
     """One that is off, and half put right by a factor on all of them, tells nothing of the torque constant."""
     heavier = stock.with_effect("added_inertia", {"inertia": 4.6e-4})
-    problem = EquationErrorProblem(observe_all(record(heavier, RUNS), stock))
-    scaled = null_hypothesis(stock).with_effect("torque_constant_error", {}, {"scale": 0.9})
-    assert only_constants(problem, fit(problem, scaled)) == ("torque_constant_error",)
-    true = EquationErrorProblem(
-        observe_all(record(stock.with_effect("torque_constant_error", {"scale": 0.8}), RUNS), stock)
-    )
-    assert only_constants(true, fit(true, scaled)) == ()
+    weaker = stock.with_effect("torque_constant_error", {"scale": 0.8})
+    for machine, told in ((heavier, ("torque_constant_error",)), (weaker, ())):
+        f = fit_of(record(machine, RUNS), stock, torque_constant_error={"scale": 0.9})
+        assert only_constants(f.problem, f) == told
 
 
 def test_encoders_that_part_less_than_before_may_part_too_much_still(stock):
-    soft = stock.with_effect("shaft_compliance", {"stiffness": 20.0, "damping": 0.01})
-    problem = EquationErrorProblem(observe_all(record(soft, RUNS), stock))
-    start = fit(problem, null_hypothesis(stock))
-    play = null_hypothesis(stock).with_effect("backlash", {}, {"width": 4e-5})
-    assert apart(problem, fit(problem, play), start)
-    spring = null_hypothesis(stock).with_effect("shaft_compliance", {}, {"stiffness": 20.0, "damping": 0.01})
-    assert not apart(problem, fit(problem, spring), start)
+    spring = {"stiffness": 20.0, "damping": 0.01}
+    start = fit_of(record(stock.with_effect("shaft_compliance", spring), RUNS), stock)
+    problem = start.problem
+    assert apart(problem, fit(problem, hypothesis_of(stock, backlash={"width": 4e-5})), start)
+    assert not apart(problem, fit(problem, hypothesis_of(stock, shaft_compliance=spring)), start)
 
 
 def test_what_might_as_well_be_absent_is_not_sure(stock):
-    problem = EquationErrorProblem(observe_all(record(stock, RUNS), stock))
-    h = null_hypothesis(stock).with_effect("constant_load", {}, {"torque": 1e-4})
-    assert insignificant(problem, fit(problem, h)) == "constant_load"
-    loaded = EquationErrorProblem(
-        observe_all(record(stock.with_effect("constant_load", {"torque": 0.02}), RUNS), stock)
-    )
-    assert insignificant(loaded, fit(loaded, h)) is None
+    for machine, goes in ((stock, "constant_load"), (stock.with_effect("constant_load", {"torque": 0.02}), None)):
+        f = fit_of(record(machine, RUNS), stock, constant_load={"torque": 1e-4})
+        assert insignificant(f.problem, f) == goes
 
 
 def test_of_two_that_take_each_others_place_the_later_goes(stock):
     """Over a few degrees a weight is a constant load: neither is known beside the other, and one alone is."""
-    loaded = stock.with_effect("constant_load", {"torque": 0.02})
-    problem = EquationErrorProblem(observe_all(record(loaded, ("triangle:0.01:2",)), stock))
+    recordings = record(stock.with_effect("constant_load", {"torque": 0.02}), ("triangle:0.01:2",))
     effects = {"constant_load": {"torque": 0.02}, "gravity_load": {"torque": 0.02, "angle": 1.57}}
     for order in (["constant_load", "gravity_load"], ["gravity_load", "constant_load"]):
-        h = null_hypothesis(stock)
-        for id in order:
-            h = h.with_effect(id, {}, effects[id])
-        assert insignificant(problem, fit(problem, h)) == order[-1]
+        f = fit_of(recordings, stock, **{id: effects[id] for id in order})
+        assert insignificant(f.problem, f) == order[-1]
 
 
 def test_friction_goes_before_a_load_that_does_the_same(stock):
@@ -141,7 +127,7 @@ def test_friction_goes_before_a_load_that_does_the_same(stock):
 def test_friction_gives_way_to_a_load_that_is_surely_better_only(behind, stays, stock, monkeypatch):
     """By chance the one or the other is a little nearer, where nothing reverses."""
     without_friction = stock.without_effect("coulomb_friction")
-    problem = EquationErrorProblem(observe_all(record(stock, ("ramp:0.05", "ramp:0.1")), without_friction))
+    problem = problem_of(record(stock, ("ramp:0.05", "ramp:0.1")), without_friction)
     found = search(problem, null_hypothesis(without_friction))
     (friction,) = (rivalry for rivalry in rivals.rivalries(found) if rivalry.effect == "coulomb_friction")
     assert friction.runner_up == "constant_load"
@@ -157,12 +143,10 @@ def test_every_effect_of_the_catalogue_tells_over_what_it_shows():
 
 def test_a_bristle_that_no_recording_bends_is_not_sure(stock):
     """Its stiffness is open to both sides; as a softness it is as many standard errors from none as of itself."""
-    problem = EquationErrorProblem(observe_all(record(stock, ("ramp:0.05",)), stock))
-    h = null_hypothesis(stock).with_effect("presliding_friction", {}, {"stiffness": 1.0, "damping": 0.0})
-    assert insignificant(problem, fit(problem, h)) == "presliding_friction"
     bent = stock.with_effect("presliding_friction", {"stiffness": 4.0, "damping": 0.0})
-    problem = EquationErrorProblem(observe_all(record(bent, RUNS), stock))
-    assert insignificant(problem, fit(problem, h)) is None
+    for machine, runs, goes in ((stock, ("ramp:0.05",), "presliding_friction"), (bent, RUNS, None)):
+        f = fit_of(record(machine, runs), stock, presliding_friction={"stiffness": 1.0, "damping": 0.0})
+        assert insignificant(f.problem, f) == goes
 
 
 @pytest.mark.parametrize("scale", [0.87, 1.156])

@@ -3,12 +3,11 @@
 import pytest
 
 from ema_twin_sim.discovery.errors_beside_curves import errors_beside_curves
-from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.estimates import standard_errors
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.generic_bases import beside_generic_bases, dependence
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observe import observe_all
+from tests.problems import problem_of
 from tests.recorded import record
 
 COULOMB = {"torque": 0.1, "static_ratio": 1.0}
@@ -19,7 +18,7 @@ TORQUE = "effects.coulomb_friction.torque"
 def beside_time(stock):
     """Dry friction found beside one curve over the time of each recording, of a model without dry friction."""
     bare = stock.without_effect("coulomb_friction")
-    problem = EquationErrorProblem(observe_all(record(stock, ("triangle:0.06:2", "sine:0.05:0.4"), 10.0), bare))
+    problem = problem_of(record(stock, ("triangle:0.06:2", "sine:0.05:0.4"), 10.0), bare)
     alone = fit(problem, null_hypothesis(bare).with_effect("coulomb_friction", {"side": "motor"}, COULOMB), 20)
     problem = beside_generic_bases(problem, alone)
     h = alone.hypothesis

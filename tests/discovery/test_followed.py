@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from ema_twin_sim import load_model, parse_command, virtual_bench
+from ema_twin_sim import load_model
 from ema_twin_sim.discovery.followed import with_followed_numbers
 from ema_twin_sim.discovery.search.trace import Round, Search
 from ema_twin_sim.discovery.split import ClosedLoop
-from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.measured.scales import to_own_units
+from tests.problems import problem_of
+from tests.recorded import record
 
 COMMANDS = ("sine:0.03:0.8", "triangle:0.04:0.7", "ramp:0.05")
 MORE_FRICTION = 1.04  # times the friction of the output that the model has
@@ -28,12 +28,11 @@ def searched(machine, width, **told):
 
     ``told`` are values of its sensors that the model's file has instead.
     """
-    recordings = [virtual_bench(machine, parse_command(c), 5.0, seed=k) for k, c in enumerate(COMMANDS)]
     model = load_model("polito_bench")
     for name, value in told.items():
         model = model.with_value(f"sensors.{name}", value)
-    recordings, model = to_own_units(recordings, model)
-    problem = EquationErrorProblem(observe_all(list(recordings), model))
+    recordings, model = to_own_units(record(machine, COMMANDS, 5.0, seed=0), model)
+    problem = problem_of(list(recordings), model)
     null = null_hypothesis(model)
     bare = fit(problem, null, 0)
     play = fit(problem, null.with_effect("backlash", {}, {"width": width}), 0)

@@ -11,13 +11,12 @@ from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.search.found_orders import highest_order, is_bend, resolved, written_order
 from ema_twin_sim.identification.candidates import Candidate, candidates
-from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.plant.measured_motion import MOTOR_ANGLE, SPEED
 from ema_twin_sim.words.sentences import order_sentences
+from tests.problems import problem_of
 from tests.recorded import record
 
 ORDER = 7.4286  # of a mesh that no catalogue knows
@@ -38,9 +37,21 @@ effects:
 
 
 @pytest.fixture(scope="module")
-def gearbox(stock):
-    """A machine with another gearbox, of whose orders nothing is said."""
-    return replace(stock.with_value("machine.gear_ratio", 31.0), orders={}, other_orders=True)
+def gearbox(unnamed):
+    """The same with another gearbox."""
+    return unnamed.with_value("machine.gear_ratio", 31.0)
+
+
+@pytest.fixture(scope="module")
+def unnamed(stock):
+    """The stock machine, of whose orders nothing is said."""
+    return replace(stock, orders={}, other_orders=True)
+
+
+@pytest.fixture(scope="module")
+def direct(unnamed):
+    """The same without a gearbox."""
+    return unnamed.with_value("machine.gear_ratio", 1.0).with_value("drive.position_gain", 20.0)
 
 
 @pytest.fixture(scope="module")
@@ -87,14 +98,12 @@ def test_the_teeth_of_another_gearbox_are_not_looked_for(gearbox, stock):
     assert orders(replace(gearbox, orders={"damaged tooth": 2.25})) == {"1", "2.25"}
 
 
-def test_what_never_came_a_second_time_is_not_seen_to_repeat(stock):
+def test_what_never_came_a_second_time_is_not_seen_to_repeat(stock, unnamed):
     """Over half a turn of the motor nothing repeats once a turn; what repeats six times a turn does."""
-    model = replace(stock, orders={}, other_orders=True)
     one, six = Candidate("cogging", {"order": "1"}), Candidate("cogging", {"order": "6"})
     for amplitude, shown in ((0.25 / 124.0, [six]), (2.0 / 124.0, [one, six])):
-        runs = record(model, (f"sine:{2.0 * math.pi * amplitude:g}:0.5",))
-        problem = EquationErrorProblem(observe_all(runs, model))
-        assert resolved(problem, [one, six], model) == shown
+        problem = problem_of(record(unnamed, (f"sine:{2.0 * math.pi * amplitude:g}:0.5",)), unnamed)
+        assert resolved(problem, [one, six], unnamed) == shown
         assert resolved(problem, [one, six], stock) == [one, six]  # whose orders are known
 
 
@@ -127,22 +136,18 @@ def test_orders_of_the_output_are_found(stock, ratio, effect, shaft):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("angle", [0.4, -1.9])
-def test_a_pendulum_at_the_motor_is_gravity_before_it_is_the_best_of_many_waves(angle, stock):
+def test_a_pendulum_at_the_motor_is_gravity_before_it_is_the_best_of_many_waves(angle, direct):
     """Without a gearbox a torque once per turn is the weight of an arm: there is no sun gear, and no magnet does it."""
-    machine = stock.with_value("machine.gear_ratio", 1.0).with_value("drive.position_gain", 20.0)
-    machine = replace(machine, orders={}, other_orders=True)
-    hidden = machine.with_effect("gravity_load", {"torque": 0.2, "angle": angle})
-    found = discover(record(hidden, ("ramp:4", "sine:5:0.2", "triangle:4:2"), seconds=7.0), machine)
+    hidden = direct.with_effect("gravity_load", {"torque": 0.2, "angle": angle})
+    found = discover(record(hidden, ("ramp:4", "sine:5:0.2", "triangle:4:2"), seconds=7.0), direct)
     assert (found.verdict, found.added) == ("explained", ("gravity_load",))
     assert found.groups == ()
 
 
-def test_a_bearing_of_a_direct_drive_is_found(stock):
+def test_a_bearing_of_a_direct_drive_is_found(direct):
     """It turns at a speed of its own: its order is no whole number."""
-    machine = replace(stock.with_value("machine.gear_ratio", 1.0).with_value("drive.position_gain", 20.0), orders={})
-    machine = replace(machine, other_orders=True)
-    hidden = machine.with_effect("cogging", {"torque": 0.05, "phase": 0.4}, {"order": "3.57"})
-    found = discover(record(hidden, ("ramp:8", "sine:8:0.2", "triangle:10:3"), seconds=10.0), machine)
+    hidden = direct.with_effect("cogging", {"torque": 0.05, "phase": 0.4}, {"order": "3.57"})
+    found = discover(record(hidden, ("ramp:8", "sine:8:0.2", "triangle:10:3"), seconds=10.0), direct)
     assert found.added == ("cogging",)
     assert float(found.model.effects["cogging"].options["order"]) == pytest.approx(3.57, abs=5e-3)
     (sentence,) = order_sentences(found.model, found.added)
@@ -156,26 +161,27 @@ def test_the_benchs_orders_are_all_known(stock, tmp_path):
     assert written.orders == stock.orders and not written.other_orders
 
 
-def test_a_few_cycles_within_a_part_of_a_turn_are_a_bend(stock):
+def bends(model, command, effect, *options, seconds):
+    """Whether each of the waves of these options is a bend, over the way that the model goes under a command."""
+    h = null_hypothesis(model)
+    for option in options:
+        h = h.with_effect(effect, option, {"torque": 0.02, "phase": 0.3})
+    f = fit(problem_of(record(model, (command,), seconds), model), h, 0)
+    return [is_bend(f.problem, f, name) for name in f.hypothesis.added]
+
+
+@pytest.mark.parametrize(("turns", "bent"), [(0.8, [True, False]), (1.5, [False, False])])
+def test_a_few_cycles_within_a_part_of_a_turn_are_a_bend(turns, bent, unnamed):
     """Whatever bends the torque over the angle looks like them, until the same comes again."""
-    model = replace(stock, orders={}, other_orders=True)
-    h = null_hypothesis(model).with_effect("cogging", {"order": "6"}, {"torque": 0.02, "phase": 0.3})
-    many = h.with_effect("cogging", {"order": "12"}, {"torque": 0.02, "phase": 0.3})
-    for turns, bent in ((0.8, (True, False)), (1.5, (False, False))):
-        runs = record(model, (f"sine:{math.pi * turns / 124.0:g}:0.5",))
-        f = fit(EquationErrorProblem(observe_all(runs, model)), many, 0)
-        assert tuple(is_bend(f.problem, f, name) for name in f.hypothesis.added) == bent
+    orders = {"order": "6"}, {"order": "12"}
+    assert bends(unnamed, f"sine:{math.pi * turns / 124.0:g}:0.5", "cogging", *orders, seconds=6.0) == bent
 
 
-def test_a_wave_of_the_output_repeats_with_the_turns_of_the_output(stock):
+@pytest.mark.parametrize(("turns", "bent"), [(0.5, [True, False]), (1.5, [False, False])])
+def test_a_wave_of_the_output_repeats_with_the_turns_of_the_output(turns, bent, unnamed):
     """Half a turn of a joint is many turns of its motor; what its arm or other joints do there is no ripple."""
-    model = replace(stock, orders={}, other_orders=True)
-    h = null_hypothesis(model).with_effect("output_ripple", {"order": "6"}, {"torque": 0.02, "phase": 0.3})
-    both = h.with_effect("output_ripple", {"order": "18"}, {"torque": 0.02, "phase": 0.3})
-    for turns, bent in ((0.5, (True, False)), (1.5, (False, False))):
-        runs = record(model, (f"sine:{math.pi * turns:g}:0.05",), seconds=20.0)
-        f = fit(EquationErrorProblem(observe_all(runs, model)), both, 0)
-        assert tuple(is_bend(f.problem, f, name) for name in f.hypothesis.added) == bent
+    orders = {"order": "6"}, {"order": "18"}
+    assert bends(unnamed, f"sine:{math.pi * turns:g}:0.05", "output_ripple", *orders, seconds=20.0) == bent
 
 
 def test_a_torque_motor_of_many_poles_cogs_in_slow_motion(tmp_path):
@@ -216,9 +222,7 @@ def test_points_that_scatter_about_a_degree_resolve_no_finer_wave(scatter):
     assert highest_order(o) == pytest.approx(180.0, rel=0.15)
 
 
-def test_over_half_a_turn_a_run_out_of_the_sun_gear_is_a_bend(stock):
-    h = null_hypothesis(stock).with_effect("sun_runout", {"kind": "conservative"}, {"torque": 0.02, "phase": 0.3})
-    for turns, bent in ((0.5, True), (3.0, False)):
-        runs = record(stock, (f"sine:{math.pi * turns / 124.0:g}:0.2",), seconds=10.0)
-        f = fit(EquationErrorProblem(observe_all(runs, stock)), h, 0)
-        assert [is_bend(f.problem, f, name) for name in f.hypothesis.added] == [bent]
+@pytest.mark.parametrize(("turns", "bent"), [(0.5, True), (3.0, False)])
+def test_over_half_a_turn_a_run_out_of_the_sun_gear_is_a_bend(turns, bent, stock):
+    command, option = f"sine:{math.pi * turns / 124.0:g}:0.2", {"kind": "conservative"}
+    assert bends(stock, command, "sun_runout", option, seconds=10.0) == [bent]

@@ -7,10 +7,8 @@ import pytest
 
 from ema_twin_sim.discovery.idle_effects import idle_effects
 from ema_twin_sim.discovery.unseen import Unseen
-from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observe import observe_all
+from tests.problems import fit_of
 from tests.recorded import COMMANDS, record
 
 FLOOR = 1.0
@@ -135,10 +133,8 @@ def test_an_encoders_error_in_one_recording_shows_in_the_output(output, idle):
     (COMMANDS[:1], 3e-4, ("encoder_delay",)),  # no other recording tells it
 ])  # fmt: skip
 def test_an_encoders_error_that_other_recordings_tell_stands(stock, runs, delay, idle):
-    bench = stock.with_effect("encoder_delay", {"delay": delay})
-    problem = EquationErrorProblem(observe_all(record(bench, runs), stock))
-    bare = fit(problem, null_hypothesis(stock))
-    late = fit(problem, bare.hypothesis.with_effect("encoder_delay", {}, {"delay": 1e-4}))
+    bare = fit_of(record(stock.with_effect("encoder_delay", {"delay": delay}), runs), stock)
+    late = fit(bare.problem, bare.hypothesis.with_effect("encoder_delay", {}, {"delay": 1e-4}))
     turn = SimpleNamespace(before=bare, after=late, added=("encoder_delay",), reason="")
     found = SimpleNamespace(fit=late, taken=[turn], rounds=[turn])
     assert idle_effects(found, replace(seen(1.2, 1.2), output=(1.0, 0.95))) == (idle, False)

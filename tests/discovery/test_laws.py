@@ -10,10 +10,9 @@ from ema_twin_sim.discovery.search.removing import significant
 from ema_twin_sim.discovery.search.trace import Round, Search
 from ema_twin_sim.effects import kind_of
 from ema_twin_sim.identification.candidates import candidates
-from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observe import observe_all
+from tests.problems import problem_of
 from tests.recorded import record
 
 STRIBECK = {"torque": 0.06, "speed": 2.0}
@@ -25,12 +24,10 @@ LAWS = ("exponential", "gaussian", "lorentzian")
 def found_under(law, true_law, model):
     """A search that ended with Stribeck friction under one law, on recordings of another."""
     recordings = record(model.with_effect("stribeck_friction", STRIBECK, {"law": true_law}), RUNS, 10.0)
-    problem = EquationErrorProblem(observe_all(recordings, model))
     null = null_hypothesis(model)
-    after = settle(fit(problem, null.with_effect("stribeck_friction", {"law": law}, START), 20))
+    after = settle(fit(problem_of(recordings, model), null.with_effect("stribeck_friction", {"law": law}, START), 20))
     bare = fit(after.problem, null)
-    turn = Round(bare, (trial_of(bare, after),), after, ("stribeck_friction",))
-    return Search(after, (turn,))
+    return Search(after, (Round(bare, (trial_of(bare, after),), after, ("stribeck_friction",)),))
 
 
 @pytest.mark.parametrize("true_law", LAWS)
@@ -94,14 +91,13 @@ class TestFrictionInExcessOfDryFriction:
 
     def test_dry_friction_that_a_model_lacks_is_named_as_that(self, stock):
         bare = stock.without_effect("coulomb_friction")
-        recordings = record(stock, ("triangle:0.06:2", "sine:0.05:0.4"), 10.0)
-        found = discover(recordings, bare)
+        found = discover(record(stock, ("triangle:0.06:2", "sine:0.05:0.4"), 10.0), bare)
         assert "coulomb_friction" in found.added and "stribeck_friction" not in found.added
 
     def test_it_goes_before_dry_friction_that_is_uncertain_beside_it(self, stock):
         """A level that fades over all speeds explains dry friction, which is then uncertain, and stays."""
         bare = stock.without_effect("coulomb_friction")
-        problem = EquationErrorProblem(observe_all(record(stock, ("triangle:0.06:2", "sine:0.05:0.4"), 10.0), bare))
+        problem = problem_of(record(stock, ("triangle:0.06:2", "sine:0.05:0.4"), 10.0), bare)
         null = null_hypothesis(bare)
         beside = null.with_effect("coulomb_friction", {"side": "motor"}, {"torque": 1e-6, "static_ratio": 1.0})
         beside = beside.with_effect("stribeck_friction", {"law": "gaussian"}, {"torque": 0.1, "speed": 1e3})

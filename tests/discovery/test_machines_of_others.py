@@ -5,24 +5,16 @@
 
 import pytest
 
-from ema_bench_replay.load import load
-from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.model import load_model
+from tests.by_draft import by_draft
 
 NEVER = {"backlash", "shaft_compliance", "cogging", "torque_ripple", "mesh_ripple", "asymmetric_friction"}
 """What none of these machines has."""
 
 
-def drafted(traces, tmp_path, **known):
-    """Import map and model that ``init`` drafts from the CSVs of a machine and what its user would know."""
-    init(str(tmp_path / "machine"), sorted(traces.glob("*.csv")) if traces.is_dir() else [traces], **known)
-    return tmp_path / "machine_map.yaml", load_model(tmp_path / "machine.yaml")
-
-
-def discovered(folder, import_map, model, start=None):
-    recordings = [load(path, import_map=import_map) for path in sorted(folder.glob("*.csv"))]
-    return discover([r if start is None else r.between(start) for r in recordings], model)
+def drafted(folder, tmp_path, shown=None, **known):
+    """Recordings of a folder, and the model that ``init`` drafts of those shown and of what its user would know."""
+    return by_draft(tmp_path, sorted(folder.glob("*.csv")), None if shown is None else [folder / shown], **known)
 
 
 def level(model, effect, parameter):
@@ -37,9 +29,8 @@ def machines(real):
 @pytest.mark.parametrize("with_coulomb", [True, False])
 def test_a_geared_servo_that_was_held_at_rest_has_friction_and_nothing_else(with_coulomb, machines, tmp_path):
     """Half of the recording it stands, its torque ramped up to where it would break away: no friction slides there."""
-    folder = machines / "damiao_dm8009" / "train"
-    import_map, model = drafted(folder / "run_01.csv", tmp_path)
-    found = discovered(folder, import_map, model if with_coulomb else model.without_effect("coulomb_friction"))
+    recordings, model = drafted(machines / "damiao_dm8009" / "train", tmp_path, "run_01.csv")
+    found = discover(recordings, model if with_coulomb else model.without_effect("coulomb_friction"))
     assert found.added == (() if with_coulomb else ("coulomb_friction",))
     assert found.verdict == ("none" if with_coulomb else "explained")
     assert level(found.model, "coulomb_friction", "torque") == pytest.approx(0.52, rel=0.05)
@@ -49,10 +40,10 @@ def test_a_geared_servo_that_was_held_at_rest_has_friction_and_nothing_else(with
 
 @pytest.mark.slow
 def test_a_dynamometers_load_is_told_at_the_output(machines, tmp_path):
-    folder = machines / "michigan_dyno" / "train"
-    import_map, model = drafted(folder / "idle_load_a.csv", tmp_path, gear_ratio=6.0, torque_constant=0.1095)
+    known = {"gear_ratio": 6.0, "torque_constant": 0.1095}
+    recordings, model = drafted(machines / "michigan_dyno" / "train", tmp_path, "idle_load_a.csv", **known)
     for start in (model, model.without_effect("coulomb_friction").without_effect("viscous_friction")):
-        found = discovered(folder, import_map, start)
+        found = discover(recordings, start)
         assert not NEVER & {*found.added}
         # N m at the output, whose load is 2.3 N m: its dry friction is as much alone as follows the load
         coulomb = 6.0 * level(found.model, "coulomb_friction", "torque")
@@ -65,9 +56,9 @@ def test_a_dynamometers_load_is_told_at_the_output(machines, tmp_path):
     [({"torque_constant": 7.6}, False), ({"gear_ratio": 100.0, "torque_constant": 0.076}, True)],
 )
 def test_one_direction_is_friction_and_a_reversal_is_asked_for(known, with_coulomb, machines, tmp_path):
-    folder = machines / "kinova_gen3_joint7" / "train"
-    import_map, model = drafted(folder, tmp_path, **known)
-    found = discovered(folder, import_map, model if with_coulomb else model.without_effect("coulomb_friction"), 0.5)
+    recordings, model = drafted(machines / "kinova_gen3_joint7" / "train", tmp_path, **known)
+    model = model if with_coulomb else model.without_effect("coulomb_friction")
+    found = discover([recording.between(0.5) for recording in recordings], model)
     # the motor's own orders show if its turns are known: 7, 12, 14 and 28 are those of 12 slots and 7 pole pairs
     assert not (NEVER - {"cogging"} if "gear_ratio" in known else NEVER) & {*found.added}
     at_joint = level(found.model, "coulomb_friction", "torque") * known.get("gear_ratio", 1.0)
@@ -86,11 +77,10 @@ def test_one_direction_is_friction_and_a_reversal_is_asked_for(known, with_coulo
 )
 def test_a_robots_joint_has_gravity_and_friction_that_follows_load(known, with_friction, machines, tmp_path):
     """However its user tells the gear and the torque constant: at the joint, at the motor, or either at either."""
-    folder = machines / "ur10e_joint2" / "train"
-    import_map, model = drafted(folder, tmp_path, **known)
+    recordings, model = drafted(machines / "ur10e_joint2" / "train", tmp_path, **known)
     if not with_friction:
         model = model.without_effect("coulomb_friction").without_effect("viscous_friction")
-    found = discovered(folder, import_map, model)
+    found = discover(recordings, model)
     assert {*found.added} == {"gravity_load", "mesh_friction"} | (
         set() if with_friction else {"coulomb_friction", "viscous_friction"}
     )
@@ -102,9 +92,7 @@ def test_a_robots_joint_has_gravity_and_friction_that_follows_load(known, with_f
 @pytest.mark.slow
 def test_a_table_of_holding_currents_is_no_motion(real, tmp_path):
     """Its rows have stamps, milliseconds or seconds apart, and a speed that is zero throughout."""
-    traces = real / "laas_holding_current.csv"
-    import_map, model = drafted(traces, tmp_path, torque_constant=0.025)
-    found = discover([load(traces, import_map=import_map)], model)
+    found = discover(*by_draft(tmp_path, [real / "laas_holding_current.csv"], torque_constant=0.025))
     assert {*found.added} == {"cogging"}
     orders = {i.options["order"] for i in found.model.effects.values() if i.effect == "cogging"}
     assert orders == {"72", "18", "12", "144", "24", "36"}

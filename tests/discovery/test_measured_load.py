@@ -11,12 +11,12 @@ from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.comparison.torque_error import torque_error
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.fitting.fit import fit_model
-from ema_twin_sim.identification.equation import EquationErrorProblem
-from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.observe import observe
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.simulate_many import simulate_many
 from ema_twin_sim.simulation.twin import Twin
+from tests.discovery.test_mesh_friction import rms, torque_missed
+from tests.recorded import changed
 
 COUNT, PERIOD = 4000, 2_000_000
 
@@ -31,9 +31,8 @@ def braked(model, seed, *, rate=0.3, noise=True, load=0.6):
     time = np.arange(COUNT) * 2e-3
     wandering = load * np.interp(time, np.arange(0.0, 9.0, 0.4), rng.uniform(-1.0, 1.0, 23))
     setpoint = 6.0 * np.sin(2.0 * math.pi * rate * time)
-    asked = Recording(
-        f"brake_{seed}", np.arange(COUNT) * PERIOD, {"speed_setpoint": setpoint, "load_torque": wandering}
-    )
+    asked = {"speed_setpoint": setpoint, "load_torque": wandering}
+    asked = Recording(f"brake_{seed}", np.arange(COUNT) * PERIOD, asked)
     own = simulate(model, asked, "setpoint")
     signals = {n: own.signals[n].copy() for n in ("current", "speed", "motor_position", "output_position")}
     if noise:
@@ -53,12 +52,8 @@ def test_a_measured_load_opposes_positive_motion(stock):
         held = {"speed_setpoint": np.full(COUNT, 5.0), "load_torque": np.full(COUNT, load)}
         settled = simulate(stock, Recording("held", np.arange(COUNT) * PERIOD, held), "setpoint").signals["current"][-1]
         speed = np.full(20, 5.0)
-        points = Recording(
-            "points",
-            np.arange(20) * 10**9,
-            {"speed": speed, "current": np.ones(20), "load_torque": np.full(20, load)},
-            metadata={POINTS: "yes"},
-        )
+        signals = {"speed": speed, "current": np.ones(20), "load_torque": np.full(20, load)}
+        points = Recording("points", np.arange(20) * 10**9, signals, metadata={POINTS: "yes"})
         assert settled == pytest.approx(simulate(stock, points).signals["current"][0], rel=1e-3)
 
 
@@ -94,17 +89,12 @@ def test_all_forms_of_the_plant_agree(stock, spring):
     if spring:
         model = model.with_effect("shaft_compliance", {"stiffness": 60.0, "damping": 0.2})
     run = braked(model, 3, noise=False)
-    torque = model.value("machine.torque_constant") * run.signals["current"]
-    size = float(np.sqrt(np.mean(torque**2)))
+    size = rms(model.value("machine.torque_constant") * run.signals["current"])
     left = simulate(model, run, "current").signals["unexplained_torque"]
     moving = np.convolve(np.abs(run.signals["speed"]) < 1.0, np.ones(101), "same") == 0
     moving[:250] = False
-    assert np.sqrt(np.mean(left[moving] ** 2)) < 0.02 * size
-    problem = EquationErrorProblem([observe(run, model)])
-    error = (problem.torque - problem.predict(null_hypothesis(model)).rows[: problem.size] * problem.noise)[
-        problem.observations[0].below_shock_limit
-    ]
-    assert np.sqrt(np.mean(error**2)) < 0.02 * size
+    assert rms(left[moving]) < 0.02 * size
+    assert rms(torque_missed(run, model)) < 0.02 * size
     if not spring:
         assert torque_error(run, model).filtered < 0.1 < torque_error(without_load(run), model).filtered
 
@@ -122,9 +112,8 @@ def test_models_side_by_side_carry_it(stock, transmission):
     model = replace(stock, kinds={**stock.kinds, "transmission": transmission})
     run = braked(model, 4, noise=False)
     models = [model.with_value("machine.motor_inertia", (1.0 + 0.01 * k) * 7.7e-4) for k in range(6)]
-    for own, beside in zip(
-        map(lambda m: simulate(m, run, "setpoint"), models), simulate_many(models, run), strict=True
-    ):
+    for m, beside in zip(models, simulate_many(models, run), strict=True):
+        own = simulate(m, run, "setpoint")
         for name in ("current", "speed", "output_position", "load_torque"):
             assert beside.signals[name] == pytest.approx(own.signals[name], rel=1e-9, abs=1e-9)
 
@@ -134,6 +123,6 @@ def test_where_it_has_no_value_the_one_before_holds(stock):
     holed, held = (run.signals["load_torque"].copy() for _ in range(2))
     holed[100:110] = math.nan
     held[100:110] = held[99]
-    one, other = (replace(run, signals={**run.signals, "load_torque": values}) for values in (holed, held))
+    one, other = (changed(run, load_torque=values) for values in (holed, held))
     assert np.array_equal(simulate(stock, one).signals["current"], simulate(stock, other).signals["current"])
     assert np.array_equal(observe(one, stock).motion, observe(other, stock).motion)

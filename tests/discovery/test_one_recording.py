@@ -8,15 +8,14 @@ import pytest
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.search.one_recording import less_what_one_recording_leaves_open
 from ema_twin_sim.discovery.search.trace import BY_CHANCE, Search
-from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observe import observe_all
 from tests.accuracy.cases import drawn_case
 from tests.accuracy.commands import Drive
 from tests.accuracy.folders import readable_train
 from tests.accuracy.sizes import middling_cause
 from tests.accuracy.unkind import Unkind
+from tests.problems import problem_of
 from tests.recorded import record
 
 ALONE = (Drive("triangle", 0.04, 2.5),)
@@ -32,8 +31,7 @@ def found_in(hidden, seed):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_friction_that_wanders_is_no_load_and_does_not_warm_up(seed):
-    found = found_in((), seed)
-    assert found.added == ()
+    assert found_in((), seed).added == ()
 
 
 @pytest.mark.parametrize("effect", ["constant_load", "cogging"])
@@ -46,7 +44,7 @@ def searched(stock, hidden, commands):
     machine = stock.with_effect("cogging", {"torque": hidden, "phase": 0.4}, {"order": "24"}) if hidden else stock
     runs = record(machine, commands, seconds=10.0)
     h = null_hypothesis(stock).with_effect("cogging", {"order": "24"}, {"torque": 0.01, "phase": 0.0})
-    return Search(fit(EquationErrorProblem(observe_all(runs, stock)), h), ())
+    return Search(fit(problem_of(runs, stock), h), ())
 
 
 def left(found):

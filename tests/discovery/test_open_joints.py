@@ -14,15 +14,14 @@ from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.experiment.doubts import moves_one_way, reverses
 from ema_twin_sim.discovery.search.found_orders import of_the_gears, resolved
 from ema_twin_sim.identification.candidates import Candidate, candidates
-from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.screening import screen
 from ema_twin_sim.identification.uncertainty import covariance
-from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.plant.measured_motion import SPEED
 from tests.open_motor import open_motor
+from tests.problems import problem_of
 
 NOISE = 0.02  # A
 PERIOD = 0.01  # s
@@ -52,7 +51,7 @@ def moved(friction=lambda time, angle, speed: 0.0, turns=0.25, seconds=40.0, see
 def in_own_units(recording, model):
     """What is judged, and the model's own hypothesis."""
     recordings, model = to_own_units([recording], model)
-    return EquationErrorProblem(observe_all(list(recordings), model)), null_hypothesis(model)
+    return problem_of(list(recordings), model), null_hypothesis(model)
 
 
 @pytest.mark.parametrize(("order", "offered"), [("3", False), ("5", True)])

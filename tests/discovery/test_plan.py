@@ -22,56 +22,21 @@ from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.accuracy.commands import Drive
 from tests.accuracy.machine import drawn_machine
 from tests.accuracy.other_bench import Cause, OtherBench
-from tests.command_line import twin
+from tests.command_line import MODEL, done, refused
 
 RATIO = 124.0
 LIMITS = Limits(speed=0.1, acceleration=2.0, lower=-0.1, upper=0.5, current=1.0)
 
-# (effect, parameters, options, what was recorded, rivals that this leaves in doubt)
 ONE_RAMP = [("ramp:0.05", 12.0)]
-AMBIGUOUS = {
-    "ripple or cogging at one speed": (
-        "torque_ripple",
-        {"fraction": 0.03, "phase": 1.0},
-        {},
-        ONE_RAMP,
-        {"torque_ripple", "cogging"},
-    ),
-    "spring or gravity over a short way": (
-        "spring_load",
-        {"stiffness": 0.15},
-        {},
-        [("sine:0.05:0.25", 20.0), ("triangle:0.02:2", 20.0)],
-        {"spring_load", "gravity_load"},
-    ),
-    "run-out of either kind in one direction": (
-        "sun_runout",
-        {"torque": 0.02, "phase": 1.0},
-        {"kind": "conservative"},
-        ONE_RAMP,
-        {"sun_runout(kind=conservative)", "sun_runout(kind=dissipative)"},
-    ),
-    "load or friction in one direction": (
-        "constant_load",
-        {"torque": 0.04},
-        {},
-        [("ramp:0.03", 20.0), ("ramp:0.1", 15.0)],
-        {"constant_load", "coulomb_friction"},
-    ),
-    "warming or gravity in a short ramp": (
-        "thermal_friction",
-        {"fraction": 0.1, "time_constant": 12.0},
-        {},
-        [("ramp:0.1", 8.0)],
-        {"thermal_friction", "gravity_load"},
-    ),
-}
+RIPPLE = ("torque_ripple", {"fraction": 0.03, "phase": 1.0}, {})
+SPRING = ("spring_load", {"stiffness": 0.15}, {})
+SHORT_WAY = [("sine:0.05:0.25", 20.0), ("triangle:0.02:2", 20.0)]
 
 
 class VirtualBench:
     """The twin's own plant with an effect hidden in it."""
 
-    def __init__(self, stock, effect, parameters, options):
+    def __init__(self, stock, effect, parameters, options=None):
         self.model = stock.with_effect(effect, parameters, options)
         self.made = 0
 
@@ -83,22 +48,13 @@ class VirtualBench:
 class AnotherBench:
     """The plant of the accuracy tests, which shares no code with the twin's and whose constants are a little off."""
 
-    def __init__(self, _, effect, parameters, options):
+    def __init__(self, _, effect, parameters, options=None):
         machine = drawn_machine(np.random.default_rng(3))
-        self.bench = OtherBench(machine, [Cause(effect, parameters, options)], seed=3)
+        self.bench = OtherBench(machine, [Cause(effect, parameters, options or {})], seed=3)
 
     def record(self, command, seconds):
         kind, *numbers = command.split(":")
         return self.bench.record(Drive(kind, *map(float, numbers)), seconds)
-
-
-CLOSED = [
-    (VirtualBench, "spring or gravity over a short way"),
-    (VirtualBench, "run-out of either kind in one direction"),
-    (AnotherBench, "ripple or cogging at one speed"),
-    (AnotherBench, "load or friction in one direction"),
-    (AnotherBench, "warming or gravity in a short ramp"),
-]
 
 
 @pytest.fixture(scope="module")
@@ -109,16 +65,28 @@ def ramp(stock):
 @pytest.fixture(scope="module")
 def rippled(stock):
     """One ramp of a motor with torque ripple, which could be cogging."""
-    _, parameters, _, runs, _ = AMBIGUOUS["ripple or cogging at one speed"]
-    bench = VirtualBench(stock, "torque_ripple", parameters, {})
-    return [bench.record(*run) for run in runs]
+    bench = VirtualBench(stock, *RIPPLE)
+    return [bench.record(*run) for run in ONE_RAMP]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("kind", "case"), CLOSED)
-def test_the_planned_recording_decides(stock, kind, case):
-    effect, parameters, options, runs, rivals = AMBIGUOUS[case]
-    bench = kind(stock, effect, parameters, options)
+@pytest.mark.parametrize(
+    ("kind", "hidden", "runs", "rival"),
+    [
+        (VirtualBench, SPRING, SHORT_WAY, "gravity_load"),
+        (VirtualBench, ("sun_runout", {"torque": 0.02, "phase": 1.0}, {"kind": "conservative"}), ONE_RAMP, None),
+        (AnotherBench, RIPPLE, ONE_RAMP, "cogging"),
+        (AnotherBench, ("constant_load", {"torque": 0.04}, {}), [("ramp:0.03", 20.0), ("ramp:0.1", 15.0)],
+         "coulomb_friction"),
+        (AnotherBench, ("thermal_friction", {"fraction": 0.1, "time_constant": 12.0}, {}), [("ramp:0.1", 8.0)],
+         "gravity_load"),
+    ],
+    ids=["spring", "run-out of either kind", "ripple", "load in one direction", "warming"],
+)  # fmt: skip
+def test_the_planned_recording_decides(stock, kind, hidden, runs, rival):
+    effect, parameters, options = hidden
+    rivals = {effect, rival} if rival else {f"{effect}(kind={each})" for each in ("conservative", "dissipative")}
+    bench = kind(stock, *hidden)
     recordings = [bench.record(*run) for run in runs]
     before = plan(recordings, stock)
     assert any(rivals <= set(doubt.rivals) for doubt in before.in_doubt)
@@ -165,8 +133,7 @@ def test_the_proposal_keeps_within_what_was_driven(stock, rippled):
 
 @pytest.mark.slow
 def test_without_limits_nothing_beyond_is_asked_for_where_less_shows_as_much(stock):
-    bench = VirtualBench(stock, "torque_ripple", {"fraction": 0.03, "phase": 1.0}, {})
-    recording = bench.record("triangle:0.1:10", 20.0)
+    recording = VirtualBench(stock, *RIPPLE).record("triangle:0.1:10", 20.0)
     proposal = plan([recording], stock).proposal
     assert proposal.beyond == () and min(then for _, then in proposal.shows.values()) >= DECIDED
     assert driven_limits([observe(recording, stock)], RATIO).effort(_reached(stock, proposal)) <= 1.0
@@ -175,23 +142,21 @@ def test_without_limits_nothing_beyond_is_asked_for_where_less_shows_as_much(sto
 @pytest.mark.slow
 def test_a_slow_recording_asks_for_what_it_would_not_show(stock):
     """Nothing of it is in doubt: an encoder that is off its centre does not show while the output hardly turns."""
-    bench = AnotherBench(stock, "encoder_eccentricity", {"amplitude": 4e-4, "phase": 0.65}, {})
+    bench = AnotherBench(stock, "encoder_eccentricity", {"amplitude": 4e-4, "phase": 0.65})
     slow = bench.record("triangle:0.015:2", 20.0)
     assert discover([slow], stock).added == ()
     asked = plan([slow], stock)
     assert "would not show" in asked.in_doubt[0].reason and "encoder_eccentricity" in asked.in_doubt[0].rivals
     so_far, then = asked.proposal.shows["encoder_eccentricity"]
     assert so_far < 1.0 and then >= DECIDED
-    assert discover([slow, bench.record(asked.proposal.command, asked.proposal.seconds)], stock).added == (
-        "encoder_eccentricity",
-    )
+    further = bench.record(asked.proposal.command, asked.proposal.seconds)
+    assert discover([slow, further], stock).added == ("encoder_eccentricity",)
 
 
 @pytest.mark.slow
 def test_what_goes_beyond_is_told_and_a_limit_forbids_it(stock):
-    effect, parameters, options, runs, _ = AMBIGUOUS["spring or gravity over a short way"]
-    bench = VirtualBench(stock, effect, parameters, options)
-    recordings = [bench.record(command, 10.0) for command, _ in runs]
+    bench = VirtualBench(stock, *SPRING)
+    recordings = [bench.record(command, 10.0) for command, _ in SHORT_WAY]
     free = plan(recordings, stock)
     assert any(text.startswith("travel") for text in free.proposal.beyond)
     driven = driven_limits([observe(recording, stock) for recording in recordings], RATIO)
@@ -324,10 +289,7 @@ def test_a_bad_command_file_is_named_with_its_place(tmp_path, text, named):
 def test_the_command_line_plans_writes_and_simulates(tmp_path, ramp):
     """One direction asks for a reversal; with that, what both would not show is asked for."""
     write_mcap(ramp, tmp_path / "ramp.mcap")
-    planned = twin(
-        "plan", "ramp.mcap", "--model", "polito_bench", "-o", "next.yaml", "--json", "plan.json", cwd=tmp_path
-    )
-    assert planned.returncode == 0, planned.stderr
+    planned = done("plan", "ramp.mcap", *MODEL, "-o", "next.yaml", "--json", "plan.json", cwd=tmp_path)
     content = json.loads((tmp_path / "plan.json").read_text())
     proposal = content["proposal"]
     for word in ("In doubt", "No recording reverses", f"Record next: {proposal['command']}", "rad/s", "next.yaml"):
@@ -335,13 +297,11 @@ def test_the_command_line_plans_writes_and_simulates(tmp_path, ramp):
     assert content["verdict"] == "none" and content["in_doubt"][0]["rivals"] == ["none", "constant_load"]
     assert "reverses" in proposal["why"] and content["next_recording"].startswith(proposal["command"])
     assert content["limits"]["speed"]["value"] == pytest.approx(0.05, rel=0.05)
-    made = twin("simulate", "--model", "polito_bench", "--command", "next.yaml", "-o", "next.CSV", cwd=tmp_path)
-    assert made.returncode == 0, made.stderr
+    made = done("simulate", *MODEL, "--command", "next.yaml", "-o", "next.CSV", cwd=tmp_path)
     assert f"{proposal['seconds']:.2f} s" in made.stdout
     speed = load(tmp_path / "next.CSV").signals["speed"]
     assert speed.max() > 0.5 and speed.min() < -0.5
-    again = twin("plan", "ramp.mcap", "next.CSV", "--model", "polito_bench", "-o", "more.yaml", cwd=tmp_path)
-    assert again.returncode == 0, again.stderr
+    again = done("plan", "ramp.mcap", "next.CSV", *MODEL, "-o", "more.yaml", cwd=tmp_path)
     assert "These recordings would not show" in again.stdout and "Stribeck" not in again.stdout
     assert (tmp_path / "more.yaml").exists()
     refusals = {
@@ -351,9 +311,7 @@ def test_the_command_line_plans_writes_and_simulates(tmp_path, ramp):
         ("--without", "backlashh"): "backlash",
     }
     for options, word in refusals.items():
-        refused = twin("plan", "ramp.mcap", "--model", "polito_bench", *options, cwd=tmp_path)
-        lines = refused.stderr.splitlines()
-        assert refused.returncode == 2 and len(lines) == 1 and lines[0].startswith("error: ") and word in lines[0]
+        refused("plan", "ramp.mcap", *MODEL, *options, cwd=tmp_path, naming=(word,))
 
 
 def test_recordings_that_cannot_be_judged_are_refused(stock, ramp):

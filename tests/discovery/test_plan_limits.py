@@ -13,9 +13,9 @@ from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.model.model_file import ABSENT
 from ema_twin_sim.simulation.command import in_words, parse_command
-from tests.command_line import done, refused
+from tests.command_line import MODEL, done, refused
 from tests.model.test_linear_machine import carriage
-from tests.recorded import record, with_signals
+from tests.recorded import changed, record, with_signals
 
 LIMITS = Limits(speed=0.1, acceleration=2.0, lower=-0.1, upper=0.5, current=1.0)
 
@@ -25,10 +25,6 @@ def by_torque(recording, model):
     signals = dict(recording.signals)
     signals["motor_torque"] = signals.pop("current") * model.value("machine.torque_constant")
     return with_signals(recording, signals)
-
-
-def with_source(model, path, source):
-    return replace(model, constants={**model.constants, path: replace(model.constants[path], source=source)})
 
 
 def test_what_a_torque_recording_reached_is_told_as_a_torque(stock):
@@ -60,9 +56,8 @@ def test_what_a_carriage_reached_is_told_in_metres_and_newtons():
 
 def test_a_given_limit_holds_for_a_carriage_that_is_told_by_its_force():
     run, model = carriage(4.0), load_model("emps")
-    force = run.signals["motor_torque"]
-    noisy = force + np.random.default_rng(5).normal(0.0, 30.0, len(force))  # N, so that effects hide in it
-    runs = [replace(run, signals={**run.signals, "motor_torque": noisy})]
+    noise = np.random.default_rng(5).normal(0.0, 30.0, len(run))  # N, so that effects hide in it
+    runs = [changed(run, motor_torque=run.signals["motor_torque"] + noise)]
     driven = recorded_limits(runs, model)
     asked = plan(runs, model, limits=replace(driven, lower=-0.02, upper=0.02))
     assert asked.limits.load[1] == pytest.approx(driven.load[1]) and asked.limits.load[2] == "N"
@@ -75,7 +70,8 @@ def test_a_given_limit_holds_for_a_carriage_that_is_told_by_its_force():
 
 
 def test_a_bench_whose_drive_is_not_stated_is_asked_for_twice_at_most(stock):
-    unstated = with_source(stock, "drive.speed_limit", ABSENT)
+    limit = replace(stock.constants["drive.speed_limit"], source=ABSENT)
+    unstated = replace(stock, constants={**stock.constants, "drive.speed_limit": limit})
     assert widened(LIMITS, stock, 0.0, SEARCHED_UP_TO).speed == SEARCHED_UP_TO * LIMITS.speed
     wide = widened(LIMITS, unstated, 0.0, SEARCHED_UP_TO)
     assert (wide.speed, wide.current) == (LARGEST_EFFECT * LIMITS.speed, LARGEST_EFFECT * LIMITS.current)
@@ -103,12 +99,10 @@ def test_a_limit_that_says_nothing_for_these_recordings_is_refused(tmp_path, sto
     (run,) = record(stock, ("triangle:0.06:1",), seconds=4.0)
     write_mcap(run, tmp_path / "current.mcap")
     write_mcap(carriage(4.0), tmp_path / "force.mcap")
-    own = ("--model", "polito_bench", "--max-torque", "2")
-    refused("plan", tmp_path / "current.mcap", *own, naming=("--max-torque", "--max-current"))
-    bare = ("--model", "emps", "--max-current", "2")
-    refused(
-        "plan", tmp_path / "force.mcap", *bare, naming=("--max-current", "no torque constant", "--max-torque, in N")
-    )
+    own = tmp_path / "current.mcap", *MODEL, "--max-torque", "2"
+    refused("plan", *own, naming=("--max-torque", "--max-current"))
+    bare = tmp_path / "force.mcap", "--model", "emps", "--max-current", "2"
+    refused("plan", *bare, naming=("--max-current", "no torque constant", "--max-torque, in N"))
 
 
 @pytest.mark.slow
@@ -117,7 +111,7 @@ def test_only_a_model_that_can_follow_a_command_is_simulated_first(tmp_path, sto
     write_mcap(by_torque(run, stock), tmp_path / "run.mcap")
     save_model(stock.with_value("drive.speed_gain", 0.0), tmp_path / "driven.yaml")
     limits = ("--max-torque", "0.4", "--max-speed", "0.04")
-    follows = done("plan", tmp_path / "run.mcap", "--model", "polito_bench", *limits).stdout
+    follows = done("plan", tmp_path / "run.mcap", *MODEL, *limits).stdout
     assert "Record next" in follows and "ema-twin simulate" in follows
     cannot = done("plan", tmp_path / "run.mcap", "--model", tmp_path / "driven.yaml", *limits).stdout
     assert "Record next" in cannot and "no speed controller" in cannot and "ema-twin simulate" not in cannot

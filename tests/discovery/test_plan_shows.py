@@ -12,10 +12,11 @@ from ema_twin_sim.discovery.plan import plan
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit, prior_rows
-from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.observe import observe
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.problems import hypothesis_of
+from tests.recorded import record
 
 SLOW = ("triangle:0.015:2", 12.0)
 
@@ -26,8 +27,13 @@ def observed(model, command, seconds, seed=None):
 
 def found_by(model, recording, effect="", **parameters):
     """The fit of the constants, or of one effect beside them."""
-    h = null_hypothesis(model)
-    return fit(EquationErrorProblem([recording]), h.with_effect(effect, {}, parameters) if effect else h)
+    return fit(EquationErrorProblem([recording]), hypothesis_of(model, **({effect: parameters} if effect else {})))
+
+
+def shown(detection, planned, effect):
+    """Standard errors by which an effect would stand out from none, with a planned recording as well."""
+    apart = detection.apart(detection.so_far + detection.of(EquationErrorProblem([planned])))
+    return Showing(detection.effects, apart, np.ones(apart.shape, bool)).of(effect)
 
 
 @pytest.mark.parametrize(
@@ -43,20 +49,11 @@ def test_a_refit_is_as_sure_as_was_predicted(stock, effect, command):
     """Of a size that stands out by n standard errors, a fit to what is then recorded tells it to one n-th."""
     slow = observed(stock, *SLOW, seed=1)
     found = found_by(stock, slow)
-    detection = Detection(found, frozenset())
+    predicted = shown(Detection(found, frozenset()), observed(stock, command, 20.0, seed=2), effect)
     there = stock.with_effect(effect)
-    planned = EquationErrorProblem([observed(stock, command, 20.0, seed=2)])
-    predicted = Showing(
-        detection.effects,
-        detection.apart(detection.so_far + detection.of(planned)),
-        np.ones((len(detection.effects),) * 2, bool),
-    ).of(effect)
-
     both = EquationErrorProblem([observed(there, *SLOW, seed=3), observed(there, command, 20.0, seed=4)])
     size = catalogue()[effect].parameters[0]
-    base = null_hypothesis(stock)
-    held = {p.name: p.default for p in catalogue()[effect].parameters}
-    refit = fit(both, base.with_effect(effect, {}, held))
+    refit = fit(both, hypothesis_of(stock, **{effect: catalogue()[effect].default_parameters()}))
     paths = [free.path for free in refit.hypothesis.free]
     shape = [k for k, path in enumerate(paths) if path.startswith("effects.") and not path.endswith(f".{size.name}")]
     _, priors = prior_rows(refit.hypothesis)
@@ -90,21 +87,18 @@ def test_friction_that_follows_a_load_asks_for_a_long_way_to_and_fro(stock):
     sprung = stock.with_effect("spring_load", {"stiffness": 0.08})
     found = found_by(stock, observed(sprung, *SLOW, seed=1), "spring_load", stiffness=0.08)
     detection = Detection(found, frozenset())
-
-    def shown(command):
-        planned = EquationErrorProblem([observed(sprung, command, 20.0)])
-        apart = detection.apart(detection.so_far + detection.of(planned))
-        k = detection.effects.index("mesh_friction")
-        return apart[k, k]
-
-    assert shown("triangle:0.1:10") > DECIDED > 2.0 * shown("ramp:0.1")
-    assert shown("triangle:0.1:10") > 2.0 * shown("triangle:0.1:2.5")
+    long, one_way, short = (
+        shown(detection, observed(sprung, command, 20.0), "mesh_friction")
+        for command in ("triangle:0.1:10", "ramp:0.1", "triangle:0.1:2.5")
+    )
+    assert long > DECIDED > 2.0 * one_way
+    assert long > 2.0 * short
 
 
 @pytest.mark.slow
 def test_an_output_that_hardly_turned_is_asked_to_turn(stock):
     """Neither gravity nor an encoder off its centre shows within a small part of a turn."""
-    asked = plan([virtual_bench(stock, parse_command("triangle:0.04:1"), 12.0, seed=1)], stock)
+    asked = plan(record(stock, ("triangle:0.04:1",), 12.0), stock)
     hidden = {name for doubt in asked.in_doubt for name in doubt.rivals}
     assert {"gravity_load", "encoder_eccentricity"} <= hidden
     bench = virtual_bench(stock, parse_command(asked.proposal.command), asked.proposal.seconds, seed=None)
@@ -116,7 +110,7 @@ def test_an_output_that_hardly_turned_is_asked_to_turn(stock):
 
 @pytest.mark.slow
 def test_the_second_recording_asked_for_shows_what_the_first_did_not(stock):
-    recordings = [virtual_bench(stock, parse_command(SLOW[0]), SLOW[1], seed=1)]
+    recordings = record(stock, SLOW[:1], SLOW[1])
     first = plan(recordings, stock).proposal
     recordings.append(virtual_bench(stock, parse_command(first.command), first.seconds, seed=2))
     second = plan(recordings, stock)
@@ -129,9 +123,9 @@ def test_the_second_recording_asked_for_shows_what_the_first_did_not(stock):
 
 
 def test_a_limit_that_is_given_holds(stock):
-    slow = virtual_bench(stock, parse_command(SLOW[0]), SLOW[1], seed=1)
+    slow = record(stock, SLOW[:1], SLOW[1])
     limits = Limits(speed=0.04, acceleration=2.0, lower=0.0, upper=0.1, current=1.0)
-    asked = plan([slow], stock, limits=limits).proposal
+    asked = plan(slow, stock, limits=limits).proposal
     done = virtual_bench(stock, parse_command(asked.command), asked.seconds, seed=None).signals
     assert done["output_position"].max() < 0.104 and done["output_position"].min() > -0.004
     assert np.abs(done["speed"]).max() < 1.06 * 0.04 * stock.value("machine.gear_ratio")
@@ -154,8 +148,7 @@ def test_the_information_about_some_numbers_is_that_of_their_errors():
     rows = random.normal(size=(40, 5)) * [1.0, 1e-6, 1e4, 1.0, 1e-3]
     information = rows.T @ rows
     keep = np.array([True, False, True, False, True])
-    errors = np.linalg.inv(information / np.outer(np.sqrt(np.diag(information)), np.sqrt(np.diag(information))))
-    scale = np.sqrt(np.diag(information))[keep]
-    assert marginal(information, keep) / np.outer(scale, scale) == pytest.approx(
-        np.linalg.inv(errors[np.ix_(keep, keep)]), rel=1e-6
-    )
+    size = np.sqrt(np.diag(information))
+    errors = np.linalg.inv(information / np.outer(size, size))
+    told = marginal(information, keep) / np.outer(size[keep], size[keep])
+    assert told == pytest.approx(np.linalg.inv(errors[np.ix_(keep, keep)]), rel=1e-6)

@@ -12,12 +12,19 @@ from ema_twin_sim.model import load_model
 
 PUBLISHED = {"mass": 95.1089, "viscous": 203.5034, "coulomb": 20.3935, "offset": -3.1648}
 """EMPS, least squares: Janot, Gautier, Brunot 2019."""
+FRICTION = (("viscous_friction", "coefficient"), ("coulomb_friction", "torque"))
 
 
 @pytest.fixture(scope="module")
 def emps(real):
     """Training record and pulses."""
     return [read_trace(real / f"emps_{name}.csv", load_map("emps")) for name in ("train", "test_pulses")]
+
+
+@pytest.fixture(scope="module")
+def emps_found(emps):
+    """What is found in the training record, of a model that is a mass alone."""
+    return discover(emps[:1], load_model("emps_mass"))
 
 
 def force_errors(recordings, model):
@@ -29,18 +36,18 @@ def test_emps_gives_the_published_numbers(emps):
     fitted = fit_model([train], load_model("emps"), method="equation")
     assert fitted.constants["machine"]["inertia"]["value"] == pytest.approx(PUBLISHED["mass"], rel=0.01)
     assert fitted.constants["machine"]["inertia"]["unit"] == "kg"
-    parameters = fitted.parameters
-    assert parameters["viscous_friction"]["coefficient"]["value"] == pytest.approx(PUBLISHED["viscous"], rel=0.01)
-    assert parameters["coulomb_friction"]["torque"]["value"] == pytest.approx(PUBLISHED["coulomb"], rel=0.01)
-    assert parameters["constant_load"]["torque"]["value"] == pytest.approx(PUBLISHED["offset"], rel=0.05)
+    viscous, coulomb, load = (
+        fitted.parameters[effect][parameter]["value"] for effect, parameter in (*FRICTION, ("constant_load", "torque"))
+    )
+    assert (viscous, coulomb) == pytest.approx((PUBLISHED["viscous"], PUBLISHED["coulomb"]), rel=0.01)
+    assert load == pytest.approx(PUBLISHED["offset"], rel=0.05)
     on_train, on_pulses = force_errors([train, pulses], fitted.model)
     assert on_train <= 0.0409 and on_pulses <= 0.060
 
 
 @pytest.mark.slow
-def test_emps_lacks_friction_that_depends_on_the_direction(emps):
-    train, pulses = emps
-    found = discover([train], load_model("emps_mass"))
+def test_emps_lacks_friction_that_depends_on_the_direction(emps, emps_found):
+    (train, pulses), found = emps, emps_found
     assert found.verdict == "explained"
     assert found.added == ("coulomb_friction", "viscous_friction", "asymmetric_friction", "constant_load")
     on_train, on_pulses = force_errors([train, pulses], found.model)
@@ -49,10 +56,9 @@ def test_emps_lacks_friction_that_depends_on_the_direction(emps):
 
 
 @pytest.mark.slow
-def test_emps_is_followed_by_its_published_controller(emps):
+def test_emps_is_followed_by_its_published_controller(emps, emps_found):
     """The model's own position loop on the recorded command: nothing of the motion is given."""
-    model = discover(emps[:1], load_model("emps_mass")).model
-    (train,) = compare(emps[:1], model, "command").recordings
+    (train,) = compare(emps[:1], emps_found.model, "command").recordings
     assert train.signals["motor_position"]["relative"] <= 2e-4
     assert train.signals["motor_torque"]["unit"] == "N"
     assert train.signals["motor_torque"]["relative"] <= 0.065
@@ -103,7 +109,7 @@ def test_a_second_encoder_does_not_drown_what_the_torque_tells(real):
     """KUKA's model is rigid: its encoders' difference is no number's, and the torque gives all of them."""
     record = read_trace(real / "kuka_axis1_A.csv", load_map("kuka"))
     fitted = fit_model([record], load_model("kuka_axis1"))
-    for name, parameter in (("viscous_friction", "coefficient"), ("coulomb_friction", "torque")):
+    for name, parameter in FRICTION:
         told = fitted.parameters[name][parameter]
         assert told["std"] < 0.3 * told["value"]
     assert fitted.torque_errors["kuka_axis1_A"].filtered < 0.2

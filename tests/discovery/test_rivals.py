@@ -11,21 +11,18 @@ from ema_twin_sim.discovery.search.adding import settle, trial_of
 from ema_twin_sim.discovery.search.removing import less
 from ema_twin_sim.discovery.search.rivals import Rivalry, came_near, judged_against_rivals, swapped, undecided
 from ema_twin_sim.discovery.search.trace import SIMPLER, UNCERTAIN, Round, Search
-from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.generic_bases import beside_generic_bases
-from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.separation import beside_its_wander, separation
-from ema_twin_sim.measured.observe import observe_all
 from tests.identification.test_wander import worn
+from tests.problems import fit_of
 from tests.recorded import record
 
 
 def test_a_load_that_was_uncertain_beside_gravity_takes_its_place(stock):
     """Over a part of a turn each is the other but for a little, and both together are uncertain."""
     recordings = record(stock.with_effect("constant_load", {"torque": 0.03}), ("triangle:0.06:2", "sine:0.03:0.4"))
-    problem = EquationErrorProblem(observe_all(recordings, stock))
-    bare = settle(fit(problem, null_hypothesis(stock)))
+    bare = settle(fit_of(recordings, stock))
     both = bare.hypothesis.with_effect("constant_load", {}, {"torque": 0.01})
     both = both.with_effect("gravity_load", {}, {"torque": 0.01, "angle": 0.5})
     f = fit(bare.problem, both)
@@ -39,8 +36,7 @@ def test_a_load_that_was_uncertain_beside_gravity_takes_its_place(stock):
 def test_a_rival_that_holds_all_that_was_there_stands_in_for_nothing(stock):
     """A round tells of it alone: what was there has no name of its own beside it."""
     recordings = record(stock.with_effect("constant_load", {"torque": 0.03}), ("triangle:0.06:2",))
-    problem = EquationErrorProblem(observe_all(recordings, stock))
-    bare = settle(fit(problem, null_hypothesis(stock)))
+    bare = settle(fit_of(recordings, stock))
     rival = fit(bare.problem, bare.hypothesis.with_effect("constant_load", {}, {"torque": 0.01}))
     (turn,) = swapped(Search(bare, ()), rival).rounds
     assert [trial.names for trial in turn.tried] == [("constant_load",)]
@@ -60,8 +56,7 @@ def test_an_effect_found_twice_is_certain_as_soon_as_one_of_them_is():
 
 def searched(recordings, stock, took, other):
     """A search that took one (effect, parameters) in a round where another was close."""
-    problem = EquationErrorProblem(observe_all(recordings, stock))
-    bare = settle(fit(problem, null_hypothesis(stock)))
+    bare = settle(fit_of(recordings, stock))
     first, second = (fit(bare.problem, bare.hypothesis.with_effect(id, {}, sizes)) for id, sizes in (took, other))
     return Search(first, (Round(bare, (trial_of(bare, first), trial_of(bare, second)), first, (took[0],)),))
 

@@ -4,20 +4,15 @@ import re
 
 import pytest
 
-from ema_bench_replay.load import load
-from ema_twin_sim.commands import init
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.model import load_model
+from tests.by_draft import by_draft
 from tests.servo_csv import TORQUE_CONSTANT, write_servo
 
 INERTIA, DRY, BEHIND = 2e-5, 0.02, 0.3  # kg m2 and N m of the servo, and the share of both behind its gear
 
 
 def found_in(folder, hidden, **how):
-    files = write_servo(folder, hidden, **how)
-    init.run(str(folder / "servo"), files, torque_constant=TORQUE_CONSTANT)
-    recordings = [load(file, import_map=folder / "servo_map.yaml") for file in files]
-    return discover(recordings, load_model(folder / "servo.yaml"))
+    return discover(*by_draft(folder, write_servo(folder, hidden, **how), torque_constant=TORQUE_CONSTANT))
 
 
 @pytest.mark.slow

@@ -5,7 +5,6 @@ and no correction of it is named; where it is wide, that is what the model lacks
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +14,7 @@ from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.slight_laws import REASON
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.model import load_model
+from tests.opened import with_open_effects
 
 PERIOD = 2e-3  # s
 NOISE = 5e-3  # A
@@ -33,7 +33,7 @@ def machine():
         ("sensors.sample_period", PERIOD),
     ):
         model = model.with_value(path, value)
-    return replace(model, effects={name: replace(held, open=True) for name, held in model.effects.items()})
+    return with_open_effects(model)
 
 
 def swung(law, beside=lambda angle, speed: 0.0, seed=1):

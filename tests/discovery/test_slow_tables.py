@@ -68,9 +68,8 @@ def numbers(model):
 def alike(found, reference, units):
     """Whether numbers of a similar machine, by effect and name, are those of the reference."""
     powers = {"coefficient": "N m s/rad", "torque": "N m", "speed": "rad/s", "static_ratio": "1"}
-    return {key: value * units.factor(powers[key[1]]) for key, value in found.items()} == pytest.approx(
-        reference, rel=1e-4
-    )
+    own = {key: value * units.factor(powers[key[1]]) for key, value in found.items()}
+    return own == pytest.approx(reference, rel=1e-4)
 
 
 @pytest.fixture(scope="module")

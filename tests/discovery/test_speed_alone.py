@@ -1,7 +1,6 @@
 """Recordings of a speed and a torque, without any position: the way that the speed makes stands in."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.model.matching import BY_SPEED, matched
 from tests.discovery.test_bent_friction import moved, open_joint
-from tests.recorded import record, with_signals
+from tests.recorded import changed, record, with_signals
 
 
 def of_speed_alone(recording):
@@ -44,7 +43,7 @@ def test_the_way_is_that_of_the_speed_where_samples_are_missing_too(stock):
     recording = of_speed_alone(moved(friction, 3))
     speed = recording.signals["speed"].copy()
     speed[100:110] = math.nan
-    found = matched(replace(recording, signals={**recording.signals, "speed": speed}), open_joint())
+    found = matched(changed(recording, speed=speed), open_joint())
     way = moved(friction, 3).signals["motor_position"]
     assert np.abs(found.signals["motor_position"] - (way - way[0])).max() < 0.01
     assert found.metadata[BY_SPEED] == "speed"

@@ -1,33 +1,25 @@
 """An encoder error that is a straight line over the way of the recordings is told with the gear ratio that would do."""
 
 import re
-from dataclasses import replace
 
 import pytest
 
 from ema_twin_sim.discovery.straight_waves import of_straight_waves
-from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observe import observe_all
-from tests.recorded import record
+from tests.problems import problem_of
+from tests.recorded import record, scaled
 
 WIDE = ("triangle:3.5:12", "sine:3.0:0.1")  # rad, a turn of the output and more
 
 
 def fitted_wave(recordings, stock, orders=("1",), phase=0.5):
     """The model with waves of the encoder, fitted to the encoders of recordings."""
-    problem = EquationErrorProblem(observe_all(recordings, stock))
+    problem = problem_of(recordings, stock)
     h = null_hypothesis(stock)
     for order in orders:
         h = h.with_effect("encoder_eccentricity", {"order": order}, {"amplitude": 1e-3, "phase": phase})
     return problem, fit(problem, h, 20)
-
-
-def scaled(recordings, factor):
-    return [
-        replace(r, signals={**r.signals, "output_position": factor * r.signals["output_position"]}) for r in recordings
-    ]
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +29,8 @@ def narrow(stock):
 
 @pytest.mark.parametrize("factor", [1.004, 0.99])
 def test_a_wave_that_is_a_line_is_told_with_the_gear_ratio_that_would_do(factor, narrow, stock):
-    (said,) = of_straight_waves(*fitted_wave(scaled(narrow, factor), stock, phase=0.5 if factor > 1.0 else 3.6))
+    runs = [scaled(recording, output_position=factor) for recording in narrow]
+    (said,) = of_straight_waves(*fitted_wave(runs, stock, phase=0.5 if factor > 1.0 else 3.6))
     ratio = float(re.search(r"a gear ratio of ([\d.]+) instead of 124 ", said)[1])
     assert ratio == pytest.approx(124.0 / factor, rel=1e-4)
     assert f"{100.0 * abs(factor - 1.0):.1g} %" in said

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.load import load
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.model import load_model
+from tests.by_draft import by_draft
 from tests.discovery.test_machines_of_others import level
 
 CONSTANT = 0.3  # N m/A
@@ -25,8 +24,8 @@ def written(tmp_path, columns, delimiter=","):
 def drafted(tmp_path, columns, delimiter=",", **said):
     """(recording, model) by what init drafts of such a table."""
     path = written(tmp_path, columns, delimiter)
-    init(str(tmp_path / "m"), [path], torque_constant=CONSTANT, force=True, **said)
-    return load(path, import_map=tmp_path / "m_map.yaml"), load_model(tmp_path / "m.yaml")
+    (recording,), model = by_draft(tmp_path, [path], torque_constant=CONSTANT, force=True, **said)
+    return recording, model
 
 
 def held(rng, angle, sense):
@@ -113,13 +112,17 @@ def swung(count=3000):
     return {"angle [rad]": angle, "speed [rad/s]": 6.0 * np.cos(2.0 * time), "current [A]": 0.1 * np.cos(2.0 * time)}
 
 
-@pytest.mark.parametrize("left_out", ["speed [rad/s]", "angle [rad]", ""])
-def test_samples_without_their_time_are_no_points_unless_somebody_says_so(left_out, tmp_path):
-    columns = {name: values for name, values in swung().items() if name != left_out}
-    with pytest.raises(InputError, match=r"export the time too.*--operating-points"):
+def points_only_if_said_so(tmp_path, columns, asked):
+    with pytest.raises(InputError, match=rf"{asked}.*--operating-points"):
         drafted(tmp_path, columns)
     recording, _ = drafted(tmp_path, columns, operating_points=True)
     assert recording.of_points
+
+
+@pytest.mark.parametrize("left_out", ["speed [rad/s]", "angle [rad]", ""])
+def test_samples_without_their_time_are_no_points_unless_somebody_says_so(left_out, tmp_path):
+    columns = {name: values for name, values in swung().items() if name != left_out}
+    points_only_if_said_so(tmp_path, columns, "export the time too")
 
 
 def test_a_clock_that_drops_samples_is_a_clock(tmp_path):
@@ -135,10 +138,7 @@ def test_a_clock_that_drops_samples_is_a_clock(tmp_path):
 def test_slow_rows_are_asked_about(tmp_path):
     columns = {"time [s]": np.arange(90.0) * 2.0, "speed [rpm]": np.linspace(-900.0, 900.0, 90)}
     columns["current [A]"] = 0.1 * np.sign(columns["speed [rpm]"])
-    with pytest.raises(InputError, match=r"is it in ms\?.*--operating-points"):
-        drafted(tmp_path, columns)
-    recording, _ = drafted(tmp_path, columns, operating_points=True)
-    assert recording.of_points
+    points_only_if_said_so(tmp_path, columns, r"is it in ms\?")
 
 
 def test_a_propeller_is_drag_although_the_draft_has_friction(tmp_path):

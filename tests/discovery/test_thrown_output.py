@@ -13,6 +13,7 @@ from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.measured.spoilt_samples import counter_jumps
 from ema_twin_sim.plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED
 from ema_twin_sim.simulation.driving_flank import lead
+from tests.problems import problem_of
 from tests.recorded import record
 
 FAST = ("triangle:0.4839:2",)
@@ -41,7 +42,7 @@ def test_an_output_that_comes_back_from_its_teeth_is_no_lost_count():
 
 
 def test_an_excerpt_holds_a_reversal_that_the_encoders_show_from_both_sides(thrown, stock):
-    part = excerpt(EquationErrorProblem(observe_all(thrown, stock)))
+    part = excerpt(problem_of(thrown, stock))
     (o,) = part.observations
     assert {*np.sign(o.motion[o.encoder_rows, SPEED])} == {-1.0, 1.0}
 

@@ -1,6 +1,5 @@
 """A measured load tells the torque constant: within its tolerance it is a refitted constant, beyond it an effect."""
 
-import math
 from dataclasses import replace
 
 import pytest
@@ -10,6 +9,7 @@ from ema_twin_sim.discovery.torque_constant import with_factor_in_the_constant
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.model import load_model, save_model
 from tests.discovery.test_measured_load import braked, without_load
+from tests.opened import all_open
 
 CONSTANT = "machine.torque_constant"
 
@@ -48,10 +48,7 @@ def test_beyond_it_an_effect_is_missing(stock):
 @pytest.mark.parametrize("scale", [0.3, 0.07])
 def test_far_beyond_it_is_none_of_its_tolerance_however_unsure_it_is(scale, stock):
     """The effect ends on its bound; its error is then as large as itself, and within that it was no error at all."""
-    friction = {n: replace(i, open=True) for n, i in stock.effects.items()}
-    inertia = replace(stock.constants["machine.motor_inertia"], tolerance=math.inf)
-    unknown = replace(stock, effects=friction, constants={**stock.constants, "machine.motor_inertia": inertia})
-    wrong = unknown.with_value(CONSTANT, stock.value(CONSTANT) / scale)
+    wrong = all_open(stock).with_value(CONSTANT, stock.value(CONSTANT) / scale)
     found = discover(of_a_motor(stock, 1.0), wrong)
     assert "torque_constant_error" in found.added and found.verdict == "unknown"
     assert found.model.value(CONSTANT) == wrong.value(CONSTANT)
@@ -65,12 +62,9 @@ def test_without_the_sensor_nothing_tells_it(stock):
 @pytest.mark.slow
 def test_an_assumed_constant_of_an_unknown_machine_is_fitted_however_far_off(stock):
     """Nobody took the 1 N m/A of a draft for a number of the machine."""
-    wrong = {
-        CONSTANT: replace(stock.constants[CONSTANT].at(8.0 * stock.value(CONSTANT)), source="assumed: 1 N m/A"),
-        "machine.motor_inertia": replace(stock.constants["machine.motor_inertia"], tolerance=math.inf),
-    }
-    friction = {n: replace(i, open=True) for n, i in stock.effects.items()}
-    drafted = replace(stock, constants={**stock.constants, **wrong}, effects=friction)
+    assumed = replace(stock.constants[CONSTANT].at(8.0 * stock.value(CONSTANT)), source="assumed: 1 N m/A")
+    drafted = all_open(stock)
+    drafted = replace(drafted, constants={**drafted.constants, CONSTANT: assumed})
     found = discover(of_a_motor(stock, 1.0), drafted)
     assert (found.verdict, found.added) == ("none", ())
     assert found.model.value(CONSTANT) == pytest.approx(stock.value(CONSTANT), rel=0.01)

@@ -7,16 +7,18 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.load import load
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.search.removing import less
 from ema_twin_sim.discovery.search.rivals import other_structures, swapped
 from ema_twin_sim.fitting.fit import fit_model
-from ema_twin_sim.model import ConstantValue, load_model
+from ema_twin_sim.model import ConstantValue
 from ema_twin_sim.simulation.behind_motor import refuse_encoders_alone
 from ema_twin_sim.simulation.simulate import simulate
+from tests.by_draft import by_draft
+from tests.play import behind_play
+from tests.recorded import changed
 from tests.trace_text import write_columns
 
 COUNTS = 2**18
@@ -27,16 +29,6 @@ SAMPLES = 5000
 def moved(time, quicker):
     """Output angle [rad] if nothing parted it from the motor: two sines, with reversals near and far."""
     return 0.8 * np.sin(1.1 * quicker * time) + 0.25 * np.sin(3.9 * quicker * time + 1.0)
-
-
-def behind_play(angle, width):
-    """An output that friction holds wherever the teeth left it."""
-    output = np.empty_like(angle)
-    held = angle[0]
-    for k, driven in enumerate(angle):
-        held = min(max(held, driven - 0.5 * width), driven + 0.5 * width)
-        output[k] = held
-    return output
 
 
 def behind_spring(angle, period, rings, damped):
@@ -103,9 +95,15 @@ def recorded(tmp_path, time, driven, seen, gear_ratio=None):
         step = 2.0 * np.pi / COUNTS
         read = turns * (angle - angle[0]) + noise.normal(0.0, 0.3 * step, len(time))
         columns[f"{side} position [rad]"] = np.round(read / step) * step
-    trace = write_columns(tmp_path / "run.csv", columns)
-    init(str(tmp_path / "machine"), [trace], gear_ratio)
-    return load(trace, import_map=tmp_path / "machine_map.yaml"), load_model(tmp_path / "machine.yaml")
+    (recording,), model = of_columns(tmp_path, [columns], gear_ratio)
+    return recording, model
+
+
+def of_columns(folder, runs, gear_ratio=None):
+    """Recordings of these columns, and their draft."""
+    folder.mkdir(exist_ok=True)
+    traces = [write_columns(folder / f"run_{k}.csv", columns) for k, columns in enumerate(runs)]
+    return by_draft(folder, traces, gear_ratio=gear_ratio)
 
 
 @pytest.fixture(scope="module")
@@ -153,7 +151,7 @@ def test_play_behind_a_late_encoder_is_told_apart_from_it(tmp_path):
     recording, model = drafted(tmp_path, "play", 1.0)
     time = recording.time
     late = np.interp(time - 2e-3, time, recording.signals["output_position"])
-    found = discover([replace(recording, signals={**recording.signals, "output_position": late})], model)
+    found = discover([changed(recording, output_position=late)], model)
     assert {*found.added} == {"backlash", "encoder_delay"}
     assert found.parameters["backlash"]["width"]["value"] == pytest.approx(2e-3, rel=0.1)
     assert found.parameters["encoder_delay"]["delay"]["value"] == pytest.approx(2e-3, rel=0.02)
@@ -165,9 +163,7 @@ def test_a_carriage_has_play_too(tmp_path):
     way = 0.15 * moved(time, 1.0)
     sides = {"motor": way, "output": behind_play(way, 1.6e-4)}
     columns = {f"{side} position [m]": np.round((x - x[0]) / 1e-6) * 1e-6 for side, x in sides.items()}
-    trace = write_columns(tmp_path / "run.csv", {"time [s]": time, **columns})
-    init(str(tmp_path / "machine"), [trace])
-    found = discover([load(trace, import_map=tmp_path / "machine_map.yaml")], load_model(tmp_path / "machine.yaml"))
+    found = discover(*of_columns(tmp_path, [{"time [s]": time, **columns}]))
     assert (found.verdict, found.added) == ("explained", ("backlash",))
     width = found.parameters["backlash"]["width"]
     assert width["unit"] == "m" and width["value"] == pytest.approx(1.6e-4, rel=0.15)
@@ -196,16 +192,15 @@ def test_no_live_twin_runs_behind_two_encoders(tmp_path):
 
 def test_recordings_with_and_without_a_torque_are_judged_apart(tmp_path):
     recording, model = drafted(tmp_path, "nothing", 1.0)
-    driven = replace(recording, name="driven", signals={**recording.signals, "current": np.ones(len(recording))})
-    with pytest.raises(InputError, match="run: hold two encoders and no torque, beside recordings that hold one"):
+    driven = replace(changed(recording, current=np.ones(len(recording))), name="driven")
+    with pytest.raises(InputError, match="run_0: hold two encoders and no torque, beside recordings that hold one"):
         discover([recording, driven], model)
 
 
 def test_an_output_that_never_moves_is_refused(tmp_path):
     recording, model = drafted(tmp_path, "nothing", 1.0)
-    still = replace(recording, signals={**recording.signals, "output_position": np.zeros(len(recording))})
     with pytest.raises(InputError, match="output_position never changes while the motor turns"):
-        discover([still], model)
+        discover([changed(recording, output_position=np.zeros(len(recording)))], model)
 
 
 @pytest.mark.slow
@@ -243,9 +238,7 @@ def test_slow_motion_does_not_tell_play_from_a_shaft_that_friction_winds_up(tmp_
     slow, fast = triangle(time), moved(time, 1.0)
     groups = {}
     for name, angle in (("slow", slow), ("fast", fast)):
-        folder = tmp_path / name
-        folder.mkdir()
-        recording, model = recorded(folder, time, angle, behind_play(angle, 2e-3), RATIO)
+        recording, model = recorded(tmp_path / name, time, angle, behind_play(angle, 2e-3), RATIO)
         found = discover([recording], model)
         assert (found.verdict, found.added) == ("explained", ("backlash",))
         assert found.parameters["backlash"]["width"]["value"] == pytest.approx(2e-3, rel=0.02)
@@ -258,17 +251,14 @@ def test_play_between_stiff_teeth_keeps_its_place_against_a_spring(tmp_path):
     time = np.arange(4000) * 1e-3
     slow = 0.25 * 2.0 / np.pi * np.arcsin(np.sin(2.0 * np.pi * 0.12 * time))
     quick = [size * np.sin(2.0 * np.pi * f * time) * np.minimum(1.0, f * time) for size, f in ((0.4, 0.4), (0.05, 1.3))]
-    traces = []
+    runs = []
     for angle in (quick[0], slow, quick[1]):
         columns = {"time [s]": time}
         read = ("motor", 80.0 * angle, 2**13), ("output", behind_teeth(angle, time[1], 2.5e-3), 2**19)
         for side, a, counts in read:
             columns[f"{side} position [rad]"] = np.round(a / (2.0 * np.pi) * counts) / counts * 2.0 * np.pi
-        traces.append(write_columns(tmp_path / f"run_{len(traces)}.csv", columns))
-    init(str(tmp_path / "machine"), traces, 80.0)
-    recordings = [load(trace, import_map=tmp_path / "machine_map.yaml") for trace in traces]
-    model = load_model(tmp_path / "machine.yaml")
-    found = discover(recordings, model)
+        runs.append(columns)
+    found = discover(*of_columns(tmp_path, runs, 80.0))
     assert (found.verdict, found.added, found.groups) == ("explained", ("backlash",), ())
     assert found.parameters["backlash"]["width"]["value"] == pytest.approx(2.5e-3, rel=0.02)
     assert found.unseen.rmse[-1] < 0.05 * found.unseen.rmse[0]
@@ -288,17 +278,14 @@ def test_a_spring_that_is_dropped_gives_play_its_place_back(discovered):
 @pytest.mark.slow
 def test_the_next_recording_is_of_the_motion_that_was_not_driven(tmp_path):
     time = np.arange(SAMPLES) * 2e-3
-    asked = {
-        "slow": "reversals as fast as",
-        "fast": "a slow triangle",
-        "both": "the same motion with the drive's torque",
+    driven = {
+        "reversals as fast as": triangle(time),
+        "a slow triangle": 0.05 * np.sin(20.0 * time),
+        "the same motion with the drive's torque": moved(time, 1.0),
     }
-    driven = {"slow": triangle(time), "fast": 0.05 * np.sin(20.0 * time), "both": moved(time, 1.0)}
-    for name, angle in driven.items():
-        folder = tmp_path / name
-        folder.mkdir()
-        recording, model = recorded(folder, time, angle, angle, RATIO)
-        assert discover([recording], model).next_recording.startswith(asked[name])
+    for number, (asked, angle) in enumerate(driven.items()):
+        recording, model = recorded(tmp_path / str(number), time, angle, angle, RATIO)
+        assert discover([recording], model).next_recording.startswith(asked)
 
 
 @pytest.mark.slow
@@ -317,7 +304,7 @@ def test_where_the_motor_is_not_known_nothing_is_judged(tmp_path):
     late = model.with_effect("encoder_delay", {"delay": 3e-3})
     motor = recording.signals["motor_position"].copy()
     motor[3000:3200] = motor[:7] = motor[500::700] = np.nan
-    holed = replace(recording, signals={**recording.signals, "motor_position": motor})
+    holed = changed(recording, motor_position=motor)
     output = simulate(late, holed).signals["output_position"]
     assert (np.isnan(output) == np.isnan(motor)).all()
     whole, beside_holes = (compare([r], late).overall["output_position"]["rmse"] for r in (recording, holed))
@@ -328,10 +315,10 @@ def test_where_the_motor_is_not_known_nothing_is_judged(tmp_path):
 
 def test_a_motor_that_is_never_known_is_refused(tmp_path):
     recording, model = drafted(tmp_path, "late", 1.0)
-    unknown = replace(recording, signals={**recording.signals, "motor_position": np.full(len(recording), np.nan)})
-    for asked in (lambda: compare([unknown], model), lambda: discover([unknown], model)):
+    unknown = changed(recording, motor_position=np.full(len(recording), np.nan))
+    for verb in (compare, discover):
         with pytest.raises(InputError, match="its motor_position holds no number"):
-            asked()
+            verb([unknown], model)
 
 
 @pytest.mark.parametrize("kind", [pytest.param("late", marks=pytest.mark.slow), "nothing"])
@@ -373,7 +360,6 @@ def test_an_order_that_samples_do_not_resolve_is_not_named(tmp_path):
     named = [d.periodicity.order for d in compare([recording], model).where if d.periodicity is not None]
     assert all(order < 1.57 for order in named)
     resolver = angle + 4e-4 * np.sin(RATIO * angle)
-    (tmp_path / "resolver").mkdir()
     recording, model = recorded(tmp_path / "resolver", time, angle, resolver, RATIO)
     best = compare([recording], model).where[0]
     assert best.variable == "order" and best.periodicity.order == pytest.approx(1.0, abs=0.01)

@@ -5,8 +5,7 @@ same.
 import pytest
 
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.simulation.command import parse_command
-from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.recorded import record
 
 FRACTION, SPEED = 0.16, 8.0
 
@@ -14,7 +13,7 @@ FRACTION, SPEED = 0.16, 8.0
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_weak_thinning_is_named_though_its_speed_is_uncertain(stock, seed):
     thinned = stock.with_effect("shear_thinning", {"fraction": FRACTION, "speed": SPEED})
-    found = discover([virtual_bench(thinned, parse_command("speed-sine:0.1:0.5"), 8.0, seed=seed)], stock)
+    found = discover(record(thinned, ("speed-sine:0.1:0.5",), 8.0, seed), stock)
     assert (found.verdict, found.added) == ("explained", ("shear_thinning",))
     speed, share = (found.parameters["shear_thinning"][name] for name in ("speed", "fraction"))
     assert speed["value"] < 2.0 * speed["std"]  # else this test shows nothing

@@ -5,20 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from ema_bench_replay.recording import Recording
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.zeros_by_load import zeros_by_load
 from ema_twin_sim.discovery.zeros_by_model import with_the_models_zeros, zeros_by_model
-from ema_twin_sim.identification.equation import EquationErrorProblem
-from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observe import observe_all
-from tests.open_motor import open_motor
+from tests.open_motor import open_motor, recorded_motion
+from tests.problems import fit_of
 
 RATIO, PERIOD, SECONDS = 50.0, 2e-3, 16.0
 INERTIA, VISCOUS, DRY = 6e-5, 1.2e-4, 0.015
-NOISE = 2e-3  # A, at 1 N m/A
+NOISE = 2e-3  # A, at 1 N m/A, of ``recorded_motion``
 STARTS = {"a": -1.1, "b": 0.4, "c": 1.3}  # rad, of the output
 TORQUE, ANGLE = 0.05, 0.3
 STIFFNESS, RELAXED = 0.06, -2.0
@@ -45,13 +41,7 @@ def swung(name, start, load, anew=True, way=0.8, ratio=RATIO):
     speed = ratio * way * fast * (np.cos(fast * time) + 0.62 * np.cos(3.1 * fast * time))
     acceleration = -ratio * way * fast**2 * (np.sin(fast * time) + 0.2 * 3.1**2 * np.sin(3.1 * fast * time))
     torque = INERTIA * acceleration + VISCOUS * speed + DRY * np.sign(speed) + load(start + travel / ratio)
-    signals = {
-        "current": torque + NOISE * random.standard_normal(len(time)),
-        "speed": speed + 1e-3 * random.standard_normal(len(time)),
-        "motor_position": travel,
-    }
-    origin = 0.0 if anew else ratio * start
-    return Recording(name, (time * 1e9).astype(np.int64), signals, motor_angle_origin=origin)
+    return recorded_motion(name, time, torque, speed, travel, random, 0.0 if anew else ratio * start)
 
 
 def runs(load, anew=True, starts=STARTS):
@@ -70,9 +60,9 @@ def known(joint):
     return joint.with_value("machine.motor_inertia", INERTIA).with_value("effects.coulomb_friction.torque", DRY)
 
 
-def fitted(recordings, model):
-    problem = EquationErrorProblem(observe_all(recordings, model))
-    return fit(problem, null_hypothesis(model))
+def changing(load):
+    """Recordings from one start with the load and another weight in each."""
+    return [swung(name, 0.0, lambda angle, k=k: 0.02 * k + load(angle)) for k, name in enumerate(STARTS)]
 
 
 APART = {name: RATIO * (start - STARTS["a"]) for name, start in STARTS.items() if name != "a"}
@@ -80,35 +70,33 @@ APART = {name: RATIO * (start - STARTS["a"]) for name, start in STARTS.items() i
 
 @pytest.mark.parametrize("load", [arm, spring])
 def test_the_ways_between_the_zeros_are_found(load, joint):
-    assert zeros_by_load(fitted(runs(load), joint)) == pytest.approx(APART, rel=0.01)
+    assert zeros_by_load(fit_of(runs(load), joint)) == pytest.approx(APART, rel=0.01)
 
 
 @pytest.mark.parametrize("load", [arm, spring, none])
 def test_nothing_is_moved_where_the_zeros_agree(load, joint):
-    assert not zeros_by_load(fitted(runs(load, anew=False), joint))
-    assert not zeros_by_load(fitted(runs(load, starts=dict.fromkeys(STARTS, 0.7)), joint))
-    assert not zeros_by_load(fitted(runs(load)[:1], joint))
+    assert not zeros_by_load(fit_of(runs(load, anew=False), joint))
+    assert not zeros_by_load(fit_of(runs(load, starts=dict.fromkeys(STARTS, 0.7)), joint))
+    assert not zeros_by_load(fit_of(runs(load)[:1], joint))
 
 
 def test_a_weight_that_changes_between_recordings_moves_no_zero(joint):
     """What is the same everywhere in a recording, and another in the next, is no load at an angle."""
-    changing = [swung(name, 0.0, lambda angle, k=k: 0.02 * k + none(angle)) for k, name in enumerate(STARTS)]
-    assert not zeros_by_load(fitted(changing, joint))
+    assert not zeros_by_load(fit_of(changing(none), joint))
 
 
 def test_a_weight_that_changes_beside_an_arm_moves_no_zero(joint):
     """The counters were homed: the arm is at one zero, and what comes and goes is another load."""
-    changing = [swung(name, 0.0, lambda angle, k=k: 0.02 * k + arm(angle)) for k, name in enumerate(STARTS)]
-    assert not zeros_by_load(fitted(changing, joint))
+    assert not zeros_by_load(fit_of(changing(arm), joint))
 
 
 def test_where_the_load_does_more_than_add_its_torque_nothing_is_moved(known):
-    assert not zeros_by_load(fitted(runs(arm), known.with_effect("mesh_friction")))
+    assert not zeros_by_load(fit_of(runs(arm), known.with_effect("mesh_friction")))
 
 
 def test_a_spring_that_another_machine_is_wound_the_other_way_by_is_none(joint):
     """A stiffness below zero would push the output away."""
-    assert not zeros_by_load(fitted(runs(lambda angle: -spring(angle)), joint))
+    assert not zeros_by_load(fit_of(runs(lambda angle: -spring(angle)), joint))
 
 
 class TestOfAModelThatHoldsTheLoad:
@@ -131,8 +119,7 @@ class TestOfAModelThatHoldsTheLoad:
         assert after < 0.1 * before
 
     def test_a_weight_that_comes_and_goes_moves_no_zero(self, heavy):
-        changing = [swung(name, 0.0, lambda angle, k=k: 0.02 * k + arm(angle)) for k, name in enumerate(STARTS)]
-        assert zeros_by_model(changing, heavy) == {}
+        assert zeros_by_model(changing(arm), heavy) == {}
 
     def test_where_a_load_does_more_than_add_its_torque_nothing_is_moved(self, heavy):
         assert zeros_by_model(runs(arm), heavy.with_effect("mesh_friction")) == {}
@@ -144,10 +131,8 @@ class TestOfAModelThatHoldsTheLoad:
         given = runs(arm, starts=dict.fromkeys(STARTS, 0.4))
         same, (told,) = with_the_models_zeros(given, heavy)
         assert same == given
-        assert (
-            "fit gravity_load of laas_motor at another angle: by" in told
-            and "add that to the positions; otherwise run fit" in told
-        )
+        assert "fit gravity_load of laas_motor at another angle: by" in told
+        assert "add that to the positions; otherwise run fit" in told
 
     def test_nothing_is_said_where_it_is_as_the_model_has_it(self, heavy):
         for given in (runs(arm, anew=False), runs(arm, starts=dict.fromkeys(STARTS, 0.0))):
@@ -195,9 +180,8 @@ class TestAnArmOnAMotorThatCogs:
         return [swung(name, start, load, way=12.0, ratio=1.0) for name, start in STARTS.items()]
 
     def test_both_tell_the_zeros_of_the_model(self, crank):
-        assert zeros_by_model(self.turning(), crank) == pytest.approx(
-            STARTS, abs=0.008
-        )  # a twelfth of a turn is 0.52 rad
+        # a twelfth of a turn is 0.52 rad
+        assert zeros_by_model(self.turning(), crank) == pytest.approx(STARTS, abs=0.008)
 
     @pytest.mark.slow
     def test_both_are_found(self, joint):

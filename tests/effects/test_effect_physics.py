@@ -18,6 +18,7 @@ from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.twin import Twin
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.fitted_bench import with_effects
 
 POINT = OperatingPoint(
     time=3.0,
@@ -48,11 +49,7 @@ EQUATIONS = (
     ("shear_thinning", (0.4, 8.0), -0.4 * 0.0255 * 4.0 / 12.0),
     ("thermal_friction", (0.25, 12.0), -0.25 * 0.0255 * (1 - math.exp(-0.25))),
     ("mesh_friction", (0.1,), 0.008),
-    (
-        "mesh_ripple",
-        (0.02, 0.1, 15.75),
-        0.02 * sum(math.sin(k * (15.75 * 0.7 + 0.1)) / k for k in (1, 3, 5)),
-    ),
+    ("mesh_ripple", (0.02, 0.1, 15.75), 0.02 * sum(math.sin(k * (15.75 * 0.7 + 0.1)) / k for k in (1, 3, 5))),
     ("cogging", (0.03, 0.2, 24.0), 0.03 * math.sin(24 * 0.7 + 0.2)),
     ("torque_ripple", (0.05, 0.2), -0.955 * 0.05 * math.sin(24 * 0.7 + 0.2)),
     ("phase_short", (0.3, 2.0), -0.955 / 0.9 * 0.1 * math.cos(8 * 0.7 - 8.0 * math.pi / 3.0)),
@@ -96,9 +93,7 @@ def test_smooth_friction_scales_the_whole_dry_level_in_whatever_order_the_effect
     stribeck = ("stribeck_friction", {"torque": 0.08, "speed": 5.0}), ("smooth_friction", {"speed": 2.0})
     levels = []
     for order in (stribeck, stribeck[::-1]):
-        model = stock
-        for id, parameters in order:
-            model = model.with_effect(id, parameters)
+        model = with_effects(stock, dict(order))
         levels.append([dry_level(model, speed) for speed in (0.5, 4.0, 100.0)])
     assert levels[0] == levels[1]
     plain = stock.with_effect(*stribeck[0])
@@ -110,16 +105,15 @@ def test_smooth_friction_scales_the_whole_dry_level_in_whatever_order_the_effect
 def test_a_shaft_with_smooth_friction_creeps_under_any_torque(stock):
     """Coulomb friction holds it; the break-away level of twice the sliding one goes with the level."""
     current = 0.3 * 0.1126 / 1.91
-    time = np.arange(500) * 2e-3
-    signals = {"current": np.full(len(time), current)}
-    recording = Recording("pushed", np.rint(time * 1e9).astype(np.int64), signals)
+    stamps = np.arange(500) * 2_000_000
+    recording = Recording("pushed", stamps, {"current": np.full(len(stamps), current)})
     held, creeping = (
         simulate(model, recording, "current").signals["motor_position"][-1]
         for model in (stock, stock.with_effect("smooth_friction", {"speed": 2.0}))
     )
     assert held == 0.0
     dampers = 0.1126 / 2.0 + 0.0255  # N m s/rad: the level over the transition speed, and viscous friction
-    assert creeping == pytest.approx(0.3 * 0.1126 / dampers * time[-1], rel=0.03)
+    assert creeping == pytest.approx(0.3 * 0.1126 / dampers * recording.duration, rel=0.03)
 
 
 def dry_level(model, speed):
@@ -184,9 +178,8 @@ def test_a_late_encoder_shows_the_output_as_it_was(stock, delay):
 
 
 def test_the_drive_closes_its_position_loop_on_the_late_encoder(stock):
-    late, prompt = (
-        bench(model, "sine:0.02:2", 2.0) for model in (stock.with_effect("encoder_delay", {"delay": 0.01}), stock)
-    )
+    models = stock.with_effect("encoder_delay", {"delay": 0.01}), stock
+    late, prompt = (bench(model, "sine:0.02:2", 2.0) for model in models)
     assert np.abs(late.signals["motor_position"] - prompt.signals["motor_position"]).max() > 0.01
 
 
@@ -208,36 +201,31 @@ def test_a_compliant_transmission_twists_with_its_torque(stock):
 
 def test_a_weak_motor_needs_more_current_for_everything(stock):
     weak = bench(stock.with_effect("torque_constant_error", {"scale": 0.8}), "ramp:0.05", 3.0)
-    assert weak.signals["current"][-1] == pytest.approx(
-        bench(stock, "ramp:0.05", 3.0).signals["current"][-1] / 0.8, rel=1e-3
-    )
+    right = bench(stock, "ramp:0.05", 3.0)
+    assert weak.signals["current"][-1] == pytest.approx(right.signals["current"][-1] / 0.8, rel=1e-3)
 
 
 def test_more_inertia_takes_more_torque_to_accelerate(stock):
     rate = 0.5
-    heavy, light = (
-        bench(model, f"speed-ramp:{rate}", 1.0)
-        for model in (stock.with_effect("added_inertia", {"inertia": 2e-3}), stock)
-    )
+    models = stock.with_effect("added_inertia", {"inertia": 2e-3}), stock
+    heavy, light = (bench(model, f"speed-ramp:{rate}", 1.0) for model in models)
     more = (heavy.signals["current"] - light.signals["current"])[heavy.time > 0.8].mean() * 1.91
     assert more == pytest.approx(2e-3 * rate * 124.0, rel=0.05)
 
 
 @pytest.mark.parametrize(
-    ("case", "effects"),
+    ("case", "id", "parameters"),
     [
-        ("dev06", [("thermal_friction", {"fraction": 0.4, "time_constant": 16.0})]),
-        ("dev07", [("gravity_load", {"torque": 0.08, "angle": -1.6})]),
-        ("dev08", [("shaft_compliance", {"stiffness": 10.0, "damping": 0.01})]),
+        ("dev06", "thermal_friction", {"fraction": 0.4, "time_constant": 16.0}),
+        ("dev07", "gravity_load", {"torque": 0.08, "angle": -1.6}),
+        ("dev08", "shaft_compliance", {"stiffness": 10.0, "damping": 0.01}),
     ],
 )
-def test_the_effects_are_those_of_another_virtual_bench(bench_cases, stock, case, effects):
+def test_the_effects_are_those_of_another_virtual_bench(bench_cases, stock, case, id, parameters):
     """Cases with constants at their nominal values: with the hidden effect the twin is near the noise."""
     recordings = [load(path) for path in sorted((bench_cases / case / "holdout").glob("*.CSV"))]
-    model = stock
-    for id, parameters in effects:
-        model = model.with_effect(id, parameters)
-    before, after = (compare(recordings, each).overall["current"] for each in (stock, model))
+    models = stock, stock.with_effect(id, parameters)
+    before, after = (compare(recordings, each).overall["current"] for each in models)
     floor = after["noise_floor"]
     assert (before["rmse"] ** 2 - after["rmse"] ** 2) / (before["rmse"] ** 2 - floor**2) > 0.7
     assert after["rmse"] < 1.5 * floor

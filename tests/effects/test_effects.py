@@ -1,16 +1,18 @@
 """Every effect of the catalogue, by being in it."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
+from ema_twin_sim import effects
 from ema_twin_sim.effects import Effect, Parameter, catalogue, find_effect
 from ema_twin_sim.effects.effect import POSITIVE
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.plant.kernel import kernel
-from ema_twin_sim.plant.operating_point import PARAMETER_SLOTS, OperatingPoint
+from ema_twin_sim.plant.operating_point import PARAMETER_SLOTS
 from ema_twin_sim.simulation.assembly import assemble
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.compared_signals import UNITS, noise_floors
@@ -63,11 +65,7 @@ def test_an_effect_tells_what_it_is(id):
 
 @ids
 def test_an_effect_is_one_short_file(id):
-    from pathlib import Path
-
-    import ema_twin_sim.effects as package
-
-    assert len((Path(package.__file__).parent / f"{id}.py").read_text().splitlines()) < 100
+    assert len((Path(effects.__file__).parent / f"{id}.py").read_text().splitlines()) < 100
 
 
 @pytest.mark.parametrize(("id", "options"), list(choices()))
@@ -128,21 +126,11 @@ def test_a_run_out_never_makes_the_dry_level_negative(stock):
     assert bench.signals["current"].min() > -0.05
 
 
-def test_the_effect_equations():
-    """The compiled functions against their formulas, written again."""
-    point = dict.fromkeys(OperatingPoint._fields, 0.0)
-    at = OperatingPoint(**{**point, "motor_speed": -3.0, "motor_angle": 0.7})
-    assert find_effect("stribeck_friction", "test").act(at, (0.08, 2.0, 0, 0)) == pytest.approx(0.08 * math.exp(-1.5))
-    assert find_effect("sun_runout", "test").act(at, (0.02, 0.5, 0, 0)) == pytest.approx(0.02 * math.sin(1.2))
-
-
-def test_an_unknown_effect_offers_the_nearest():
-    with pytest.raises(InputError, match="did you mean 'backlash'"):
-        find_effect("backlsh", "test")
-
-
-@pytest.mark.parametrize(("id", "said"), [("nosuch", "; if it is your own"), ("backlsh", r"'\? If it is your own")])
-def test_what_to_do_about_an_unknown_effect_is_one_sentence(id, said):
+@pytest.mark.parametrize(
+    ("id", "said"),
+    [("nosuch", "; if it is your own"), ("backlsh", r"did you mean 'backlash'\? If it is your own")],
+)
+def test_an_unknown_effect_offers_the_nearest_and_says_what_to_do(id, said):
     with pytest.raises(InputError, match=said):
         find_effect(id, "test")
 

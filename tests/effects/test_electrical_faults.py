@@ -20,6 +20,7 @@ from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.fidelities import LONGEST
+from tests.recorded import record
 
 pytestmark = pytest.mark.timeout(LONGEST)
 
@@ -127,8 +128,7 @@ def test_phase_currents_of_a_simulated_recording_are_read_back(tmp_path, switchi
 
 def recorded(model):
     """Slow, fast and back and forth; a drive that switches in its usual band makes noise of its own."""
-    commands = ("ramp:0.02", "ramp:0.08", "triangle:0.04:2")
-    return [virtual_bench(model, parse_command(c), 6.0, seed=k) for k, c in enumerate(commands)]
+    return record(model, ("ramp:0.02", "ramp:0.08", "triangle:0.04:2"), seed=0)
 
 
 @pytest.mark.slow

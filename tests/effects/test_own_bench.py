@@ -12,7 +12,9 @@ from ema_twin_sim.effects import catalogue
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.compared_signals import noise_floors
 from ema_twin_sim.simulation.simulate import simulate
+from ema_twin_sim.simulation.twin import Twin
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.recorded import changed
 
 STARTED_BEFORE = ("thermal_friction", "spring_load", "presliding_friction", "backlash", "shaft_compliance")
 """Effects with a past (warmth, a relaxed spring, a bent bristle, a side of the gap) that a cut does not tell."""
@@ -27,6 +29,11 @@ def torque_noise(model, recording):
     settled = (np.abs(speed) > 2.0) & (recording.time > 0.5)
     floor = noise_floors(model, has_speed=recording.has("speed"))["unexplained_torque"]
     return np.sqrt(np.mean(found[settled] ** 2)) / floor
+
+
+def unexplained(model, recording):
+    """RMS [N m] of the unexplained torque."""
+    return np.sqrt(np.nanmean(simulate(model, recording).signals["unexplained_torque"] ** 2))
 
 
 @pytest.mark.parametrize("id", sorted(catalogue()))
@@ -65,41 +72,30 @@ def test_an_end_stop_stays_where_it_is_when_a_recording_is_cut(stock):
 
 
 def test_the_unexplained_torque_does_not_depend_on_the_assumed_stiffness(stock):
-    bench = virtual_bench(stock.with_effect("backlash"), parse_command("sine:0.02:1"), 4.0, seed=None)
-
-    def unexplained(stiffness):
-        model = stock.with_effect("backlash").with_value("transmission.contact_stiffness", stiffness)
-        return np.sqrt(np.nanmean(simulate(model, bench).signals["unexplained_torque"] ** 2))
-
-    assert unexplained(3e4) == pytest.approx(unexplained(1e4), rel=0.02)
+    model = stock.with_effect("backlash")
+    bench = virtual_bench(model, parse_command("sine:0.02:1"), 4.0, seed=None)
+    soft, stiff = (
+        unexplained(model.with_value("transmission.contact_stiffness", value), bench) for value in (1e4, 3e4)
+    )
+    assert stiff == pytest.approx(soft, rel=0.02)
 
 
 def test_with_the_right_backlash_less_is_unexplained_than_without(stock):
     bench = virtual_bench(stock.with_effect("backlash", {"width": 0.004}), parse_command("sine:0.02:1"), 4.0, seed=None)
-    left = {
-        width: np.sqrt(
-            np.nanmean(
-                simulate(stock.with_effect("backlash", {"width": width}), bench).signals["unexplained_torque"] ** 2
-            )
-        )
-        for width in (0.0005, 0.004)
-    }
-    assert left[0.004] < 0.5 * left[0.0005]
+    little, right = (unexplained(stock.with_effect("backlash", {"width": width}), bench) for width in (0.0005, 0.004))
+    assert right < 0.5 * little
 
 
 def test_a_hole_in_a_signal_does_not_last(stock):
     bench = virtual_bench(stock, parse_command("ramp:0.05"), 4.0, seed=None)
     speed = np.array(bench.signals["speed"])
     speed[1000:1003] = np.nan
-    holed = Recording("holed", bench.stamps, {**bench.signals, "speed": speed})
-    found = simulate(stock, holed).signals["unexplained_torque"]
+    found = simulate(stock, changed(bench, speed=speed)).signals["unexplained_torque"]
     assert np.isfinite(found[1010:]).all()
     assert np.abs(found[1500:]).max() < 0.002
 
 
 def test_a_late_encoder_switched_on_in_a_running_twin_slams_nothing(stock):
-    from ema_twin_sim.simulation.twin import Twin
-
     twin = Twin(stock, "standalone")
     twin.start({"output_command": 0.0})
     currents = []

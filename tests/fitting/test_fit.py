@@ -1,7 +1,6 @@
 """Fit: numbers that are known are found again, with standard errors that are true."""
 
 import math
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -18,7 +17,7 @@ from ema_twin_sim.identification.hypothesis import INERTIAS
 from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.model import load_model
 from tests.fitted_bench import FAST, SLOW, bench, check_recovered, estimates, true_value, with_effects
-from tests.recorded import with_signals
+from tests.recorded import changed, with_signals
 
 RIGID = {
     "stribeck_friction": {"torque": 0.08, "speed": 2.0},
@@ -41,15 +40,8 @@ HIDDEN = {"rigid": (RIGID, SLOW), "sensors": (SENSORS, FAST), "loads": (LOADS, F
 
 @pytest.fixture(scope="module")
 def fitted(stock):
-    """What a method finds of effects that are hidden together, from typical values, and the true model."""
-
-    @cache
-    def of(hidden, method):
-        effects, commands = HIDDEN[hidden]
-        true = with_effects(stock, effects)
-        return fit_model(bench(true, commands), with_effects(stock, effects, typical=True), method=method), true
-
-    return of
+    """What a method finds of effects that are hidden together, as ``found_again`` tells it."""
+    return cache(lambda hidden, method: found_again(stock, *HIDDEN[hidden], method=method))
 
 
 @pytest.mark.slow
@@ -61,13 +53,17 @@ def test_several_effects_at_once_from_typical_values(fitted, hidden, method):
     assert not result.warnings
 
 
+def found_again(stock, hidden, commands=SLOW, **how):
+    """What a fit finds of effects that are hidden, from typical values, and the true model."""
+    true = with_effects(stock, hidden)
+    return fit_model(bench(true, commands), with_effects(stock, hidden, typical=True), **how), true
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_play_and_what_ripples_behind_it(stock, method):
     hidden = {"backlash": {"width": 0.004}, "cogging": {"torque": 0.02, "phase": -2.0}}
-    true = with_effects(stock, hidden)
-    result = fit_model(bench(true, SLOW), with_effects(stock, hidden, typical=True), method=method)
-    check_recovered(result, true)
+    check_recovered(*found_again(stock, hidden, method=method))
 
 
 def test_a_spring_from_a_start_that_is_far_off(stock):
@@ -79,9 +75,7 @@ def test_a_spring_from_a_start_that_is_far_off(stock):
 
 def test_a_bristle(stock):
     hidden = {"presliding_friction": {"stiffness": 3.0, "damping": 0.02}}
-    true = with_effects(stock, hidden)
-    result = fit_model(bench(true, SLOW), with_effects(stock, hidden, typical=True))
-    check_recovered(result, true, share=0.1)
+    check_recovered(*found_again(stock, hidden), share=0.1)
 
 
 @pytest.mark.slow
@@ -118,9 +112,7 @@ def test_samples_without_a_value_and_spikes_do_no_harm(stock):
         current, output = (recording.signals[name].copy() for name in ("current", "output_position"))
         current[500:510] = np.nan
         output[1000] += 1.0
-        recordings.append(
-            replace(recording, signals={**recording.signals, "current": current, "output_position": output})
-        )
+        recordings.append(changed(recording, current=current, output_position=output))
     for method in METHODS:
         result = fit_model(recordings, stock.with_effect("constant_load"), method=method)
         assert result.parameters["constant_load"]["torque"]["value"] == pytest.approx(0.02, rel=0.05)
@@ -130,9 +122,8 @@ def test_under_the_current_the_equation_is_the_method(stock):
     hidden = {"gravity_load": {"torque": 0.05, "angle": 0.7}}
     true = with_effects(stock, hidden)
     measured = ("current", "motor_position", "output_position")
-    recordings = [
-        replace(r, signals={n: r.signals[n] for n in measured}) for r in bench(true, ("triangle:0.3:2", "ramp:0.2"))
-    ]
+    runs = bench(true, ("triangle:0.3:2", "ramp:0.2"))
+    recordings = [with_signals(r, {name: r.signals[name] for name in measured}) for r in runs]
     result = fit_model(recordings, with_effects(stock, hidden, typical=True))
     assert (result.method, result.input) == ("equation", "current")
     check_recovered(result, true, share=0.1)
@@ -142,17 +133,14 @@ def test_under_the_current_the_equation_is_the_method(stock):
 @pytest.mark.slow
 def test_a_simulation_under_the_current(stock):
     hidden = {"sun_runout": {"torque": 0.03, "phase": 1.0}}
-    true = with_effects(stock, hidden)
-    start = with_effects(stock, hidden, typical=True)
-    result = fit_model(bench(true, SLOW), start, method="simulation", source="current")
+    result, _ = found_again(stock, hidden, method="simulation", source="current")
     assert result.parameters["sun_runout"]["torque"]["value"] == pytest.approx(0.03, rel=0.03)
     assert result.before["current"]["driven"]
 
 
 def test_constants_by_name(stock):
     true = stock.with_value("sensors.speed_smoothing", 4.3e-3).with_value("machine.torque_constant", 1.87)
-    free = ["sensors.speed_smoothing", "machine.torque_constant"]
-    result = fit_model(bench(true, SLOW), stock, free=free)
+    result = fit_model(bench(true, SLOW), stock, free=["sensors.speed_smoothing", "machine.torque_constant"])
     check_recovered(result, true)
     assert result.constants["sensors"]["speed_smoothing"]["value"] == pytest.approx(4.3e-3, rel=0.01)
     assert result.constants["machine"]["torque_constant"]["nominal"] == 1.91

@@ -9,9 +9,8 @@ import pytest
 from ema_twin_sim.fitting.free_parameters import choose_numbers
 from ema_twin_sim.fitting.solver import Solution, refine
 from ema_twin_sim.fitting.unseen import judge
-from ema_twin_sim.identification.equation import EquationErrorProblem
-from ema_twin_sim.measured.observe import observe_all
 from tests.fitted_bench import bench
+from tests.problems import problem_of
 
 
 class Rigid:
@@ -55,15 +54,14 @@ def test_a_stiffness_that_runs_away_overflows_nothing(stiffness):
 
 
 def test_it_is_searched_as_far_as_it_can_matter(stock, stiffness):
-    problem = EquationErrorProblem(observe_all(bench(stock, ("sine:0.05:0.5",)), stock))
-    searched = stiffness.within(problem.reached).numbers[0]
+    searched = stiffness.within(problem_of(bench(stock, ("sine:0.05:0.5",)), stock).reached).numbers[0]
     assert 100.0 * stiffness.start[0] < searched.upper < 1e6 * stiffness.start[0]
     assert searched.lower < stiffness.start[0]
 
 
 def test_what_is_judged_on_unseen_data_stays_within_what_was_searched(stock, stiffness, monkeypatch):
     recordings = bench(stock, ("sine:0.05:0.5", "ramp:0.03"))
-    searched = stiffness.within(EquationErrorProblem(observe_all(recordings, stock)).reached)
+    searched = stiffness.within(problem_of(recordings, stock).reached)
     misfit = Rigid(searched)
     # each recording alone draws the stiffness to where no straight line holds
     slopes, residual = np.full((2, 1), 1e-3), np.array([1e6, -1e6])

@@ -12,14 +12,14 @@ def errors(current, speed, *, driven=False):
     }
 
 
+FARTHER = errors(0.016, 0.5), errors(0.018, 0.4), errors(1.0, 1.0), errors(0.5, 0.5)
+"""Before and after: of the recordings that were fitted to, whose current grows, and of others."""
+
+
 def test_a_fit_that_is_farther_from_its_own_recordings_says_by_how_much_and_what_to_do():
-    (note,) = no_nearer(
-        errors(0.016, 0.5), errors(0.018, 0.4), errors(1.0, 1.0), errors(0.5, 0.5), by_equation=False, hit=False
-    )
+    (note,) = no_nearer(*FARTHER, by_equation=False, hit=False)
     assert "the error of the current grows from 16.0 mA to 18.0 mA; an effect may be missing" in note
-    (note,) = no_nearer(
-        errors(0.016, 0.5), errors(0.018, 0.4), errors(1.0, 1.0), errors(0.5, 0.5), by_equation=False, hit=True
-    )
+    (note,) = no_nearer(*FARTHER, by_equation=False, hit=True)
     assert "grows from 16.0 mA to 18.0 mA; teeth that meet" in note and "missing" not in note
     assert "Keep the model as it was" in note and "speed" not in note
 
@@ -32,16 +32,13 @@ def test_a_fit_that_is_nearer_in_what_compare_judges_by_is_not_advised_against()
 
 
 def test_the_equation_leaves_out_standstill_which_the_errors_count():
-    (note,) = no_nearer(
-        errors(0.016, 0.5), errors(0.018, 0.4), errors(1.0, 1.0), errors(0.5, 0.5), by_equation=True, hit=False
-    )
+    (note,) = no_nearer(*FARTHER, by_equation=True, hit=False)
     assert "standstill" in note
 
 
 def test_a_fit_that_holds_on_its_own_recordings_only_says_so():
-    (note,) = no_nearer(
-        errors(0.016, 0.5), errors(0.010, 0.4), errors(0.016, 0.5), errors(0.020, 0.6), by_equation=False, hit=False
-    )
+    own = errors(0.016, 0.5), errors(0.010, 0.4)
+    (note,) = no_nearer(*own, errors(0.016, 0.5), errors(0.020, 0.6), by_equation=False, hit=False)
     assert note.startswith("on what was not fitted to") and "current" in note and "that of the speed" in note
 
 

@@ -58,11 +58,8 @@ def test_inseparable_twins(stock):
     start = stock.with_effect("coulomb_friction", {"torque": 0.02})
     result = fit_model(bench(stock, SLOW), start, method="equation")
     assert warned(result, "inseparable") == {("coulomb_friction", "torque"), ("coulomb_friction_3", "torque")}
-    paths = (
-        result.paths.index("effects.coulomb_friction.torque"),
-        result.paths.index("effects.coulomb_friction_3.torque"),
-    )
-    assert result.correlations[paths[0]][paths[1]] < -0.95
+    one, other = (result.paths.index(f"effects.{name}.torque") for name in ("coulomb_friction", "coulomb_friction_3"))
+    assert result.correlations[one][other] < -0.95
 
 
 def test_absurd_where_an_encoder_that_is_late_is_taken_for_a_shaft_that_gives_way(stock):

@@ -2,14 +2,9 @@
 
 import pytest
 
-from ema_twin_sim.identification.equation import EquationErrorProblem
-from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.sensors import gearbox_shows
-from ema_twin_sim.measured.observe import observe_all
+from tests.problems import fit_of
 from tests.recorded import record
-
-RUNS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")
 
 
 @pytest.mark.parametrize(
@@ -22,5 +17,5 @@ RUNS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")
     ],
 )
 def test_a_gearbox_shows_where_it_gives_way_and_not_where_an_encoder_errs(effect, parameters, shows, stock):
-    problem = EquationErrorProblem(observe_all(record(stock.with_effect(effect, parameters), RUNS), stock))
-    assert gearbox_shows(problem, fit(problem, null_hypothesis(stock))) == shows
+    f = fit_of(record(stock.with_effect(effect, parameters)), stock)
+    assert gearbox_shows(f.problem, f) == shows

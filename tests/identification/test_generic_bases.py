@@ -3,21 +3,17 @@
 import numpy as np
 import pytest
 
-from ema_twin_sim.identification.equation import EquationErrorProblem
-from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.generic_bases import beside_generic_bases
-from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.plant.measured_motion import SPEED
+from tests.problems import fit_of
 from tests.recorded import record
 
 
 @pytest.mark.parametrize(("command", "both_ways"), [("ramp:0.05", False), ("triangle:0.06:2", True)])
 def test_in_one_direction_nothing_depends_on_the_direction(command, both_ways, stock):
     """A table of a motor that turned one way was said to depend on it: on the speed, which is the same there."""
-    problem = EquationErrorProblem(observe_all(record(stock, (command,)), stock))
-    f = fit(problem, null_hypothesis(stock))
-    speeds = np.concatenate([o.motion[o.rows, SPEED] for o in problem.observations])
+    f = fit_of(record(stock, (command,)), stock)
+    speeds = np.concatenate([o.motion[o.rows, SPEED] for o in f.problem.observations])
     assert (speeds.min() < 0.0 < speeds.max()) == both_ways
-    bases = beside_generic_bases(problem, f).generic_bases
+    bases = beside_generic_bases(f.problem, f).generic_bases
     assert "speed" in bases and ("direction" in bases) == both_ways

@@ -7,14 +7,14 @@ from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.uncertainty import held_out
-from ema_twin_sim.measured.observe import observe_all
+from tests.problems import fit_of, problem_of
 from tests.recorded import record
 
 
 def test_what_is_held_makes_up_for_nothing(stock):
     """In one direction friction makes up for a load; where it is held, a load is what a fit to the others finds."""
     recordings = record(stock.with_effect("constant_load", {"torque": 0.03}), ("ramp:0.05", "ramp:0.2", "ramp:0.1"))
-    problem = EquationErrorProblem(observe_all(recordings, stock))
+    problem = problem_of(recordings, stock)
     constants = null_hypothesis(stock)
     h = constants.holding(constants.by_path).with_effect("constant_load", {}, {"torque": 0.02})
     found = np.array(held_out(problem, fit(problem, h))[0])[:, -1]
@@ -25,20 +25,18 @@ def test_what_is_held_makes_up_for_nothing(stock):
 
 def test_the_contact_of_teeth_is_as_good_as_held(stock):
     """Each recording is judged with the contact that all recordings gave, and with what goes with that one."""
-    h = null_hypothesis(stock).with_effect("backlash", {}, {"width": 0.004})
-    recordings = record(stock.with_effect("backlash", {"width": 0.004}), seconds=4.0)
-    problem = EquationErrorProblem(observe_all(recordings, stock))
-    f = fit(problem, h)
+    play = {"width": 0.004}
+    f = fit_of(record(stock.with_effect("backlash", play), seconds=4.0), stock, backlash=play)
     contact = {path: value for path, value in f.hypothesis.by_path.items() if path.startswith("contact.")}
-    held = fit(problem, f.hypothesis.holding(contact), 0)
-    both = [np.array(held_out(problem, one)[0]) for one in (f, held)]
+    held = fit(f.problem, f.hypothesis.holding(contact), 0)
+    both = [np.array(held_out(f.problem, one)[0]) for one in (f, held)]
     assert contact and np.abs(both[0] - f.hypothesis.values).max() > 0.0
     assert both[0] == pytest.approx(both[1], rel=1e-9)
 
 
 def test_what_is_left_of_each_recording_is_that_of_its_numbers(stock):
-    problem = EquationErrorProblem(observe_all(record(stock.with_effect("encoder_delay"), seconds=4.0), stock))
-    f = fit(problem, null_hypothesis(stock))
+    f = fit_of(record(stock.with_effect("encoder_delay"), seconds=4.0), stock)
+    problem = f.problem
     numbers, left = held_out(problem, f)
     assert not any(np.array_equal(values, f.hypothesis.values) for values in numbers)
     for values, *parts in zip(numbers, problem.torque_parts, problem.encoder_parts, strict=True):

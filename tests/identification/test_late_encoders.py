@@ -5,9 +5,8 @@ from dataclasses import replace
 import pytest
 
 from ema_twin_sim.effects import catalogue
-from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observe import observe_all
+from tests.problems import problem_of
 from tests.recorded import record
 
 
@@ -22,7 +21,7 @@ def test_an_encoder_may_be_some_samples_late(stock, run, quicker):
     """In its own units, a machine ``quicker`` than the bench behind the same logger has so many times fewer samples."""
     signals = {name: values[::quicker] for name, values in run.signals.items()}
     thinned = replace(run, stamps=run.stamps[::quicker], signals=signals)
-    problem = EquationErrorProblem(observe_all([thinned], stock))
+    problem = problem_of([thinned], stock)
     (late,) = (id for id, effect in catalogue().items() if effect.delays)
     slow_drive = stock.with_value("drive.control_cycle", 1e-3)  # the plant keeps the readings of so many cycles
     h = null_hypothesis(slow_drive, by_torque=True).with_effect(late, {}, {"delay": thinned.sample_period})

@@ -3,13 +3,9 @@
 import numpy as np
 import pytest
 
-from ema_bench_replay.recording import Recording
-from ema_twin_sim.identification.equation import EquationErrorProblem
-from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.uncertainty import held_out, move_without
-from ema_twin_sim.measured.observe import observe_all
-from tests.open_motor import open_motor
+from tests.open_motor import open_motor, recorded_motion
+from tests.problems import fit_of
 
 
 def test_it_is_the_solution_of_the_other_rows():
@@ -30,17 +26,11 @@ def test_it_is_the_solution_of_the_other_rows():
 
 def turning(name, speed, seconds=20.0, period=2e-3):
     """A motor under friction, at ``speed`` (t,) -> rad/s."""
-    random = np.random.default_rng(ord(name))
     time = np.arange(round(seconds / period)) * period
     turns = speed(time)
     angle = np.concatenate([[0.0], np.cumsum(0.5 * (turns[1:] + turns[:-1])) * period])
     torque = 2e-4 * np.gradient(turns, period) + 4e-4 * turns + 0.02 * np.sign(turns)
-    signals = {
-        "current": torque + 2e-3 * random.standard_normal(len(time)),
-        "speed": turns + 1e-3 * random.standard_normal(len(time)),
-        "motor_position": angle,
-    }
-    return Recording(name, (time * 1e9).astype(np.int64), signals, motor_angle_origin=0.0)
+    return recorded_motion(name, time, torque, turns, angle, np.random.default_rng(ord(name)))
 
 
 def test_a_constant_that_the_others_hardly_tell_is_not_thrown_far_off():
@@ -48,8 +38,7 @@ def test_a_constant_that_the_others_hardly_tell_is_not_thrown_far_off():
     motor = open_motor(1.0, 2e-3, 2e-3, speed_noise=1e-3)
     steady = turning("s", lambda t: 8.0 * np.sign(np.sin(0.6 * t)) + 0.05 * np.sin(1.7 * t))
     swept = turning("w", lambda t: 120.0 * np.sin(0.5 * t))
-    problem = EquationErrorProblem(observe_all([steady, swept], motor))
-    f = fit(problem, null_hypothesis(motor))
-    (_, by_steady), _ = held_out(problem, f)
+    f = fit_of([steady, swept], motor)
+    (_, by_steady), _ = held_out(f.problem, f)
     viscous = [free.path for free in f.hypothesis.free].index("scale.viscous_friction")
     assert by_steady[viscous] == pytest.approx(f.hypothesis.values[viscous], rel=0.2)

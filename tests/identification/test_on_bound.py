@@ -15,9 +15,9 @@ from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.on_bound import TURNED, on_bounds, reached_bound, torque_sign_reversed
 from ema_twin_sim.measured.observe import observe
 from ema_twin_sim.plant.measured_motion import SPEED
-from ema_twin_sim.simulation.command import parse_command
-from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.large_arm import COULOMB, INERTIA, VISCOUS, open_arm, swings_of
+from tests.problems import fit_of
+from tests.recorded import changed, record
 
 
 def test_the_rule():
@@ -31,20 +31,16 @@ def test_the_rule():
 def stribeck_seen(stock, speed, command):
     """What is said of a friction that falls over ``speed`` [rad/s], fitted to one motion."""
     effect = {"torque": 0.2, "speed": speed}
-    run = virtual_bench(stock.with_effect("stribeck_friction", effect), parse_command(command), 10.0, seed=1)
-    problem = EquationErrorProblem([observe(run, stock)])
-    start = {**effect, "speed": 1.0}
-    found = fit(problem, null_hypothesis(stock).with_effect("stribeck_friction", {"law": "exponential"}, start), 20)
-    return on_bounds(problem, found, standard_errors(problem, found)), problem
+    runs = record(stock.with_effect("stribeck_friction", effect), (command,), 10.0)
+    found = fit_of(runs, stock, 20, stribeck_friction={**effect, "speed": 1.0})
+    return on_bounds(found.problem, found, standard_errors(found.problem, found)), found.problem
 
 
 def test_a_speed_beyond_those_driven_is_on_its_bound(stock):
     told, problem = stribeck_seen(stock, 12.0, "speed-sine:0.02:0.2")
     (sentence,) = told
-    assert sentence.startswith(
-        f"stribeck_friction: speed is on its bound {problem.fastest:.4g} rad/s; record faster motion"
-    )
-    assert "\n" not in sentence
+    bound = f"stribeck_friction: speed is on its bound {problem.fastest:.4g} rad/s"
+    assert sentence.startswith(f"{bound}; record faster motion") and "\n" not in sentence
 
 
 def test_a_speed_among_those_driven_is_not(stock):
@@ -52,28 +48,32 @@ def test_a_speed_among_those_driven_is_not(stock):
     assert told == ()
 
 
+@pytest.fixture(scope="module")
+def arm():
+    return open_arm()
+
+
+@pytest.fixture(scope="module")
+def observed(arm):
+    """Its swings."""
+    return [observe(swing, arm) for swing in swings_of(arm)]
+
+
 @pytest.mark.parametrize(("sign", "turned"), [(1.0, False), (-1.0, True)])
-def test_a_torque_that_works_against_inertia_and_friction_has_the_wrong_sign(sign, turned):
-    arm = open_arm()
-    observed = [observe(swing, arm) for swing in swings_of(arm)]
+def test_a_torque_that_works_against_inertia_and_friction_has_the_wrong_sign(sign, turned, arm, observed):
     problem = EquationErrorProblem([replace(o, torque=sign * o.torque) for o in observed])
     found = fit(problem, null_hypothesis(arm), 20)
     assert (TURNED in on_bounds(problem, found, standard_errors(problem, found))) == turned
 
 
 @pytest.mark.parametrize(("sign", "turned"), [(1.0, False), (-1.0, True)])
-def test_the_sign_is_told_beside_a_load_and_a_friction_that_is_hardly_known(sign, turned):
+def test_the_sign_is_told_beside_a_load_and_a_friction_that_is_hardly_known(sign, turned, arm, observed):
     """Held by its load, the arm shows its inertia and hardly its friction: that need not end at zero."""
-    arm = open_arm()
-    observed = [observe(swing, arm) for swing in swings_of(arm)]
-    noise = np.random.default_rng(5)
-    torques = [sign * (o.torque + 60.0 * noise.standard_normal(len(o.torque))) for o in observed]
-    problem = EquationErrorProblem(
-        [
-            replace(o, torque=torque, torque_noise=o.torque_noise + 60.0)
-            for o, torque in zip(observed, torques, strict=True)
-        ]
-    )
+    noise, noisy = np.random.default_rng(5), []
+    for o in observed:
+        torque = sign * (o.torque + 60.0 * noise.standard_normal(len(o.torque)))
+        noisy.append(replace(o, torque=torque, torque_noise=o.torque_noise + 60.0))
+    problem = EquationErrorProblem(noisy)
     h = null_hypothesis(arm).with_effect("constant_load", {}, {"torque": 1.0})
     h = h.put({free.path: 1e-3 for free in h.free if free.path in ("scale.coulomb_friction", "scale.viscous_friction")})
     assert torque_sign_reversed(problem, fit(problem, h, 20)) == turned
@@ -96,14 +96,11 @@ def _with_coulomb(o, level):
     return replace(o, torque=o.torque + (level - COULOMB) * np.sign(speed) - VISCOUS * speed)
 
 
-def test_a_torque_that_is_filtered_is_no_torque_of_wrong_sign():
+def test_a_torque_that_is_filtered_is_no_torque_of_wrong_sign(arm, observed):
     """It seems to come late, so that the inertia may end at zero; friction is as large as it is."""
-    arm = open_arm()
-    observed = [observe(swing, arm) for swing in swings_of(arm)]
     late = [replace(o, torque=o.torque - 1.5 * 40.0 * o.acceleration[: len(o.torque)]) for o in observed]
     problem = EquationErrorProblem(late)
-    found = fit(problem, null_hypothesis(arm), 20)
-    assert not torque_sign_reversed(problem, found)
+    assert not torque_sign_reversed(problem, fit(problem, null_hypothesis(arm), 20))
 
 
 @pytest.mark.parametrize("verb", ["discover", "fit"])
@@ -116,8 +113,7 @@ def test_an_open_constant_may_start_anywhere(verb):
     assert not [text for text in map(str, found.warnings) if "bound" in text]
 
 
-def test_nothing_is_on_a_bound_where_all_is_well():
-    arm = open_arm()
+def test_nothing_is_on_a_bound_where_all_is_well(arm):
     assert not [text for text in discover(swings_of(arm), arm).warnings if "bound" in text]
     assert np.isfinite(arm.value("machine.motor_inertia"))
 
@@ -133,8 +129,7 @@ def test_no_load_is_named_where_the_torque_drives_neither_inertia_nor_friction()
         acceleration = np.gradient(speed, swing.time)
         pushed = np.interp(swing.time, np.arange(0.0, 21.0, 0.5), 150.0 * rng.standard_normal(42))
         torque = 150.0 * position - 10.0 * speed - 3.0 * np.sign(speed) - 20.0 * acceleration + pushed
-        current = torque / arm.value("machine.torque_constant")
-        moved.append(replace(swing, signals={**swing.signals, "current": current}))
+        moved.append(changed(swing, current=torque / arm.value("machine.torque_constant")))
     found = discover(moved, arm)
     assert found.verdict == "unknown" and found.added == ()
     assert TURNED in found.warnings
@@ -149,8 +144,7 @@ def test_gravity_is_named_where_the_motor_only_bears_it_and_a_hand_moves_the_arm
         position, speed = swing.signals["motor_position"], swing.signals["speed"]
         torque = 150.0 * np.sin(position) - 2.0 * np.sign(speed) - 3.0 * speed
         torque += np.random.default_rng(3).standard_normal(len(speed))
-        current = torque / arm.value("machine.torque_constant")
-        moved.append(replace(swing, signals={**swing.signals, "current": current}))
+        moved.append(changed(swing, current=torque / arm.value("machine.torque_constant")))
     found = discover(moved, arm)
     assert (found.verdict, found.added) == ("explained", ("gravity_load",))
     assert TURNED not in found.warnings

@@ -1,36 +1,27 @@
 """What the encoders' difference says of their own errors, as far as a search may go."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from ema_twin_sim.identification import equation
-from ema_twin_sim.identification.equation import EquationErrorProblem
-from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.sensors import delay_of_gearbox, with_sensors
-from ema_twin_sim.measured.observe import observe_all
-from tests.recorded import record
+from tests.problems import fit_of
+from tests.recorded import changed, record
 
 
 @pytest.fixture(scope="module")
 def late(stock):
     """A fit, nothing added, of a bench whose output encoder is 2 ms late."""
-    recordings = record(stock.with_effect("encoder_delay", {"delay": 0.002}), ("triangle:0.4839:2",))
-    problem = EquationErrorProblem(observe_all(recordings, stock))
-    return problem, fit(problem, null_hypothesis(stock))
+    f = fit_of(record(stock.with_effect("encoder_delay", {"delay": 0.002}), ("triangle:0.4839:2",)), stock)
+    return f.problem, f
 
 
 def test_a_lag_of_the_same_angle_at_any_speed_is_no_delay(late, stock):
     """An output that hangs behind by as much whether it turns fast or slowly: play, or a shaft wound up by friction."""
     assert not delay_of_gearbox(*late)
     runs = record(stock, ("sine:0.4:0.1", "sine:0.4:0.4"))
-    behind = [
-        replace(r, signals={**r.signals, "output_position": r.signals["output_position"] - 2e-3 * way(r)}) for r in runs
-    ]
-    problem = EquationErrorProblem(observe_all(behind, stock))
-    assert delay_of_gearbox(problem, fit(problem, null_hypothesis(stock)))
+    f = fit_of([changed(r, output_position=r.signals["output_position"] - 2e-3 * way(r)) for r in runs], stock)
+    assert delay_of_gearbox(f.problem, f)
 
 
 def way(recording):

@@ -4,16 +4,15 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.effects import catalogue
-from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.plant.measured_motion_many import LANE
+from tests.problems import problem_of
 from tests.recorded import record
 
 
 @pytest.fixture(scope="module")
 def problem(stock):
-    return EquationErrorProblem(observe_all(record(stock), stock))
+    return problem_of(record(stock), stock)
 
 
 @pytest.mark.parametrize(

@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.discovery.criteria.plausible import uncertain
-from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.estimates import standard_errors
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.uncertainty import covariance, disagreement
-from ema_twin_sim.measured.observe import observe_all
+from tests.problems import problem_of
 from tests.recorded import record
 
 BLOCKS, ROWS, DRAWS = 6, 60, 2000
@@ -58,7 +57,7 @@ def test_what_all_rows_of_a_recording_have_in_common_is_told_too():
 
 def test_beside_what_is_held_the_rest_is_as_sure_as_without_it(stock):
     """In one direction a load and friction that differs by direction are alike: known, that friction is no excuse."""
-    problem = EquationErrorProblem(observe_all(record(stock, ("ramp:0.05", "ramp:0.2"), 4.0), stock))
+    problem = problem_of(record(stock, ("ramp:0.05", "ramp:0.2"), 4.0), stock)
     load = null_hypothesis(stock).with_effect("constant_load", {}, {"torque": 0.0})
     beside = load.with_effect("asymmetric_friction", {}, {"fraction": 0.0})
     either, held, alone = (
@@ -71,10 +70,9 @@ def test_beside_what_is_held_the_rest_is_as_sure_as_without_it(stock):
 
 def test_a_wave_of_the_torque_is_as_sure_however_badly_the_encoders_are_explained(stock):
     true = stock.with_effect("backlash", {"width": 2e-3}).with_effect("cogging", {"torque": 0.1})
-    problem = EquationErrorProblem(observe_all(record(true, ("sine:0.3:0.5", "ramp:0.1"), 4.0), stock))
-    found = (
-        null_hypothesis(stock).with_effect("backlash", {}, {"width": 2e-3}).with_effect("cogging", {}, {"torque": 0.1})
-    )
+    problem = problem_of(record(true, ("sine:0.3:0.5", "ramp:0.1"), 4.0), stock)
+    found = null_hypothesis(stock).with_effect("backlash", {}, {"width": 2e-3})
+    found = found.with_effect("cogging", {}, {"torque": 0.1})
     wrong = found.put({**found.by_path, "effects.backlash.width": 5e-3})
     wave = [free.path for free in found.free].index("effects.cogging.torque")
     errors = {}

@@ -11,15 +11,14 @@ from ema_twin_sim.discovery.search import adding
 from ema_twin_sim.discovery.search.adding import prune, settle
 from ema_twin_sim.discovery.search.trace import Search
 from ema_twin_sim.discovery.search.wandering_end import less_what_wandering_explains
-from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.uncertainty import covariance
 from ema_twin_sim.identification.wander import Wander
 from ema_twin_sim.identification.wandering import wandering
-from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.plant.measured_motion import SPEED
-from tests.recorded import record, with_signals
+from tests.problems import fit_of, problem_of
+from tests.recorded import changed, record
 
 RUNS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4", "speed-sine:0.08:0.3")
 
@@ -41,8 +40,7 @@ def worn(recordings, share, stock, seed=5, asymmetry=0.0):
         drift = np.interp(recording.time, knots, random.normal(0.0, share, len(knots)))
         speed = recording.signals["speed"]
         friction = (dry + viscous * np.abs(speed)) * (np.tanh(speed / 0.05) + asymmetry)
-        signals = {**recording.signals, "current": recording.signals["current"] + drift * friction / kt}
-        found.append(with_signals(recording, signals))
+        found.append(changed(recording, current=recording.signals["current"] + drift * friction / kt))
     return found
 
 
@@ -50,7 +48,7 @@ def ended_beside_play(recordings, stock):
     """What is left, once wandering is asked for, of play and a Stribeck friction that were fitted to recordings."""
     h = null_hypothesis(stock).with_effect("backlash", {}, {"width": 0.003})
     h = h.with_effect("stribeck_friction", {"law": "exponential"}, {"torque": 0.05, "speed": 2.0})
-    f = settle(fit(EquationErrorProblem(observe_all(recordings, stock)), h, 20))
+    f = settle(fit(problem_of(recordings, stock), h, 20))
     found = less_what_wandering_explains(Search(f, ()), lambda text: None)
     return set(found.fit.hypothesis.effects)
 
@@ -58,9 +56,8 @@ def ended_beside_play(recordings, stock):
 def test_an_effect_that_gains_clearly_stays_however_small_it_became(stock, monkeypatch):
     """A part of what it explains may be taken for wandering, and the rest is less than a size that is worth a name."""
     load = {"torque": 2.5e-4}
-    model = stock.with_effect("constant_load", load)
-    problem = EquationErrorProblem(observe_all(record(model, RUNS, 10.0), stock))
-    f = fit(problem, null_hypothesis(stock).with_effect("constant_load", {}, load), 20)
+    f = fit_of(record(stock.with_effect("constant_load", load), RUNS, 10.0), stock, 20, constant_load=load)
+    problem = f.problem
     gain = penalised_gain(fit(problem, f.hypothesis.without("constant_load")), f)
     monkeypatch.setattr(adding, "DEPENDS", 0.5 * gain)
     assert gain > 0.0
@@ -73,13 +70,12 @@ def test_an_effect_that_gains_clearly_stays_however_small_it_became(stock, monke
 
 
 def settled(recordings, model):
-    f = settle(fit(EquationErrorProblem(observe_all(recordings, model)), null_hypothesis(model)))
+    f = settle(fit_of(recordings, model))
     return f.problem, f
 
 
 def told(recordings, model):
-    problem, f = settled(recordings, model)
-    return wandering(problem, f)
+    return wandering(*settled(recordings, model))
 
 
 @pytest.fixture
@@ -87,10 +83,8 @@ def wander():
     random = np.random.default_rng(1)
     first, _ = np.linalg.qr(random.normal(size=(40, 3)))
     second, _ = np.linalg.qr(random.normal(size=(25, 2)))
-    of_first, of_second = (
-        (slice(0, 40), first, np.array([9.0, 4.0, 0.5])),
-        (slice(45, 70), second, np.array([6.0, 1.0])),
-    )
+    of_first = slice(0, 40), first, np.array([9.0, 4.0, 0.5])
+    of_second = slice(45, 70), second, np.array([6.0, 1.0])
     return Wander(0.3, (of_first, of_second), 99.0)
 
 
@@ -112,9 +106,8 @@ class TestWhitening:
         beside = problem.under(replace(problem.weighting, wander=wandering(problem, f)))
         assert not np.allclose(beside.measured, problem.measured)
         predicted = beside.predict(f.hypothesis)
-        assert np.allclose(
-            beside.left_over(predicted)[: problem.size], f.raw[: problem.size]
-        )  # what was measured is not whitened
+        # what was measured is not whitened
+        assert np.allclose(beside.left_over(predicted)[: problem.size], f.raw[: problem.size])
         assert beside.misfit(beside.residual(predicted)) < f.misfit
 
 
@@ -142,9 +135,9 @@ class TestShare:
     def test_what_is_larger_one_way_wanders_as_a_whole(self, stock):
         """A part of it then drives one way and brakes the other: the noise knows that as well as the rest."""
         true = stock.with_effect("asymmetric_friction", {"fraction": 0.3})
-        problem = EquationErrorProblem(observe_all(worn(record(true, RUNS), 0.05, stock, asymmetry=0.3), stock))
-        h = null_hypothesis(stock).with_effect("asymmetric_friction", {}, {"fraction": 0.3})
-        f = settle(fit(problem, h))
+        worn_runs = worn(record(true, RUNS), 0.05, stock, asymmetry=0.3)
+        f = settle(fit_of(worn_runs, stock, asymmetric_friction={"fraction": 0.3}))
+        problem = f.problem
         wander = wandering(f.problem, f)
         sense = np.concatenate([np.sign(o.motion[o.rows, SPEED]) for o in problem.observations])
         braking = 0.1 * sense / problem.noise  # of 0.1 N m, all the time

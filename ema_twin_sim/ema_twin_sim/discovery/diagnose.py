@@ -20,12 +20,12 @@ from ..comparison.running_comparison import RunningComparison, SignalError, exce
 from ..criteria import CLEARLY_MORE, SUREST
 from ..effects import Kind, catalogue, kind_of
 from ..identification.equation import EquationErrorProblem
-from ..identification.estimates import reported
+from ..identification.estimates import shown_parameters
 from ..identification.fit import Fit, fit
 from ..identification.hypothesis import COMPLIANT_EFFECTS
 from ..identification.uncertainty import held_out
 from ..model import EffectInstance, Model
-from ..model.own_units import in_si, shown_entry, shown_options
+from ..model.own_units import in_si, shown_options
 from ..parallel import simulations
 from ..plant.measured_motion import TIME
 from ..simulation.compared_signals import ENCODER_DIFFERENCE
@@ -149,7 +149,8 @@ def weigh(found: Discovery) -> Diagnosis:
     held = {cause.key: penalised_gain(cause.before, cause.after) for cause in causes}
     if not contests and found.verdict != "unknown":
         # what gains and is not held was dropped, itself or as a rival: the search had reasons beyond its gain
-        contests = [[c for c in tried if len(_new(c)) == 1 and penalised_gain(c.before, c.after) <= 0.0]]
+        alone = [c for c in tried if len(new_names(c.before, c.after)) == 1]
+        contests = [[c for c in alone if penalised_gain(c.before, c.after) <= 0.0]]
     absent: dict[Kind, float] = {contender.key: 1.0 for contender in tried} | dict.fromkeys(held, 1.0)
     nothing = float(found.verdict != "unknown")
     for contest in contests:
@@ -239,10 +240,6 @@ def _added(turn: Round, trial: Trial) -> list[_Contender]:
     return [_Contender(n, turn.before, trial.fit) for n in trial.names if n in trial.fit.hypothesis.added]
 
 
-def _new(contender: _Contender) -> tuple[str, ...]:
-    return new_names(contender.before, contender.after)
-
-
 def _chances(
     problem: EquationErrorProblem, contest: Sequence[_Contender], held: bool
 ) -> list[tuple[_Contender | None, float]]:
@@ -281,17 +278,7 @@ def _ranked(
     problem: EquationErrorProblem, contender: _Contender, probability: float, removed: float | None, found: bool
 ) -> Ranked:
     f, instance = contender.after, contender.instance
-    sure = errors_beside_curves(problem, f)
-    parameters = {
-        p.name: shown_entry(
-            f.hypothesis.base,
-            instance.parameters[p.name],
-            reported(sure.get(f"effects.{contender.name}.{p.name}"), instance.parameters[p.name], p),
-            p.unit,
-            angle=p.periodic,
-        )
-        for p in catalogue()[instance.effect].parameters_with(instance.options)
-    }
+    parameters = shown_parameters(f.hypothesis.base, contender.name, instance, errors_beside_curves(problem, f))
     options = shown_options(f.hypothesis.base, instance.options)
     return Ranked(instance.effect, options, probability, removed, parameters, found)
 

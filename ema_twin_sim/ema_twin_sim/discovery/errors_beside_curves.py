@@ -19,8 +19,5 @@ def errors_beside_curves(problem: EquationErrorProblem, f: Fit) -> dict[str, flo
     lacked = [name for name, instance in h.added.items() if is_lacked(h, instance.effect)]
     if not (h.generic_bases and lacked):
         return sure
-    bare = h
-    for basis in h.generic_bases:
-        bare = bare.without_generic_basis(basis)
-    alone = standard_errors(problem, fit(problem, bare, 0))
+    alone = standard_errors(problem, fit(problem, h.without_generic_bases(), 0))
     return sure | {path: std for path, std in alone.items() if path.startswith(tuple(f"effects.{n}." for n in lacked))}

@@ -95,7 +95,7 @@ def evidence_json(found: Discovery) -> dict[str, object]:
     """Plot data behind a discovery, for ``--json``: up to about 200 points a curve, five digits each."""
     unseen = found.unseen
     return {
-        "steps": [_step_as_json(step) for step in step_evidence(found)],
+        "steps": [_step_as_json(_evidence_of(found.equation, compared)) for compared in compared_fits(found)],
         "rmse": {
             "signal": unseen.signal,
             "unit": unseen.unit,
@@ -103,19 +103,11 @@ def evidence_json(found: Discovery) -> dict[str, object]:
             "recordings": {name: _digits(values) for name, values in unseen.recordings},
         },
         "tried": [
-            {
-                "names": [" and ".join(trial.names) for trial in turn.tried],
-                "gain": _digits([t.gain for t in turn.tried]),
-            }
+            {"names": [" and ".join(t.names) for t in turn.tried], "gain": _digits([t.gain for t in turn.tried])}
             for turn in found.search.rounds
             if turn.tried
         ],
     }
-
-
-def step_evidence(found: Discovery) -> tuple[StepEvidence, ...]:
-    """The views of every step."""
-    return tuple(_evidence_of(found.equation, compared) for compared in compared_fits(found))
 
 
 def compared_fits(found: Discovery) -> list[Compared]:

@@ -83,10 +83,7 @@ def _other_recordings_show(f: Fit, errors: Collection[str]) -> bool:
     """Whether the errors of an encoder explain most recordings with the size that the others tell, beyond chance."""
     if len(f.problem.observations) < 2:
         return False
-    bare = f.hypothesis
-    for name in errors:
-        bare = bare.without(name)
-    gained = parting_explained_where_unseen(fit(f.problem, bare, known=f), f)
+    gained = parting_explained_where_unseen(fit(f.problem, f.hypothesis.without(*errors), known=f), f)
     return bool(gained.sum() > DEPENDS and np.count_nonzero(gained > 0.0) > 0.5 * len(gained))
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from ..criteria import NEGLIGIBLE
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
+from ..identification.hypothesis import dry_friction
 from ..identification.uncertainty import covariance
 from ..listing import listed
 from ..measured.scales import INERTIAS
@@ -82,10 +83,7 @@ def of_sums(problem: EquationErrorProblem, f: Fit, left: float) -> tuple[str, ..
 def _sums(f: Fit, *, parted: bool = True) -> Iterator[_Sum]:
     """The sums whose two sides are both free; if not ``parted``, the sums that have two sides."""
     base, free = f.hypothesis.base, {one.path for one in f.hypothesis.free}
-    dry = {"motor": 0.0, "output": 0.0}
-    for instance in base.active.values():
-        if instance.effect == DRY_FRICTION:
-            dry[instance.options["side"]] += instance.parameters["torque"]
+    dry = dry_friction(base.active.values())
     inertia = sum(base.value(path) for path in INERTIAS[:-1]), base.value(INERTIAS[-1])
     for both in (
         _Sum("inertia", "kg m^2", ("scale.inertia", "scale.output_inertia"), inertia),

@@ -45,8 +45,7 @@ def beside_constants_as_filed(found: Search) -> Search:
     An unknown cause may pull the constants away from where they follow the recordings, without affecting the effects.
     """
     h = found.fit.hypothesis
-    values = {free.path: free.prior[0] for free in h.free if free.prior is not None}
-    return found.with_numbers(fit(found.problem, h.holding(values), 0))
+    return found.with_numbers(fit(found.problem, h.holding(h.nominal()), 0))
 
 
 def freed(found: Search, of: Search) -> Search:
@@ -61,7 +60,7 @@ def _as_filed(best: Fit) -> Fit:
     Each constant may seem to have moved by many of its standard errors.
     """
     h = best.hypothesis
-    values = {free.path: free.prior[0] for free in h.free if free.prior is not None and free.path != LAG}
+    values = {path: value for path, value in h.nominal().items() if path != LAG}
     with_teeth = h.holding(h.teeth_of_the_file())  # held for good: they may be stiffer than a search allows
     return _fitted_beside(best.problem, with_teeth, values)
 
@@ -69,12 +68,8 @@ def _as_filed(best: Fit) -> Fit:
 def _put_back(best: Fit) -> Fit | None:
     """Fit with the constants that are not known to have moved at their file values; None if all have moved."""
     sure = standard_errors(best.problem, best)
-    values = best.hypothesis.by_path
-    unmoved = {
-        free.path: free.prior[0]
-        for free in best.hypothesis.free
-        if free.prior is not None and abs(values[free.path] - free.prior[0]) < LIKELY * sure.get(free.path, 0.0)
-    }
+    now, nominal = best.hypothesis.by_path, best.hypothesis.nominal()
+    unmoved = {p: value for p, value in nominal.items() if abs(now[p] - value) < LIKELY * sure.get(p, 0.0)}
     return _fitted_beside(best.problem, best.hypothesis, unmoved) if unmoved else None
 
 

@@ -136,10 +136,16 @@ class Unseen:
     def shown(self, model: Model) -> Unseen:
         """Same values in the units of the model's machine."""
         per, unit = shown(model, 1.0, self.unit)
-        way, _ = shown(model, 1.0, "rad")
+        return replace(self._times(per, shown(model, 1.0, "rad")[0]), unit=unit)
+
+    def as_torque(self, constant: float) -> Unseen:
+        """Errors of a current [A] as those of the torque that was recorded in its place; ``constant`` [N m/A]."""
+        return replace(self._times(constant, 1.0), signal="motor_torque", unit="N m")
+
+    def _times(self, per: float, way: float) -> Unseen:
+        """The errors of the main signal times ``per``, and those of the output times ``way``."""
         return replace(
             self,
-            unit=unit,
             noise_floor=per * self.noise_floor,
             rmse=tuple(per * value for value in self.rmse),
             recordings=tuple((name, tuple(per * value for value in values)) for name, values in self.recordings),
@@ -151,22 +157,6 @@ class Unseen:
             settled=tuple(per * value for value in self.settled),
             judged_from=per * self.judged_from,
             judged_from_output=None if self.judged_from_output is None else way * self.judged_from_output,
-        )
-
-    def as_torque(self, constant: float) -> Unseen:
-        """Errors of a current [A] as those of the torque that was recorded in its place; ``constant`` [N m/A]."""
-        return replace(
-            self,
-            signal="motor_torque",
-            unit="N m",
-            noise_floor=constant * self.noise_floor,
-            rmse=tuple(constant * value for value in self.rmse),
-            recordings=tuple((name, tuple(constant * value for value in values)) for name, values in self.recordings),
-            given=constant * self.given,
-            given_recordings=tuple(constant * value for value in self.given_recordings),
-            moving=tuple(constant * value for value in self.moving),
-            settled=tuple(constant * value for value in self.settled),
-            judged_from=constant * self.judged_from,
         )
 
     def as_json(self) -> dict[str, object]:
@@ -347,12 +337,8 @@ def gain_where_unseen(f: Fit) -> float:
     what a fast wave removes (it soon loses the phase), nor what only the encoders show. Generic bases are left out: a
     dependence on the time of one recording cannot be predicted from any other.
     """
-    problem, effects = f.problem, f.hypothesis
-    for name in f.hypothesis.generic_bases:
-        effects = effects.without_generic_basis(name)
-    bare = effects
-    for name in f.hypothesis.added:
-        bare = bare.without(name)
+    problem, effects = f.problem, f.hypothesis.without_generic_bases()
+    bare = effects.without(*effects.added)
     costs = []
     beside = fit(problem, effects, known=f) if f.hypothesis.generic_bases else f
     for one in (fit(problem, bare, known=f), beside):

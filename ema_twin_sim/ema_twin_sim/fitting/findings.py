@@ -9,9 +9,8 @@ import numpy as np
 
 from ..criteria import CONTRADICTED, LIKELY, NEARLY_ALL, PART
 from ..effects import Circumstances, catalogue
-from ..identification.on_bound import INERTIA_SHOWN_BY, reached_bound
+from ..identification.on_bound import INERTIA_SHOWN_BY, reached_bound, with_unit
 from ..model import Model
-from ..model.own_units import shown
 from .equation_misfit import BLIND, LAG
 from .free_parameters import FreeParameter, split
 from .plausibility import implausible
@@ -42,7 +41,7 @@ def find(solution: Solution, sure: Uncertainty, fitted: Model, method: str, c: C
         std = float(sure.std[k]) * number.slope(value)
         bound = reached_bound(value, number.lower, number.upper, std, number.scale)
         if bound:
-            text = f"ends on its {bound} bound, {_written(value, number, fitted)}"
+            text = f"ends on its {bound} bound, {with_unit(fitted, value, number.unit, angle=number.periodic)}"
             found.append(_finding("on_bound", number, text, fitted))
         reason = _unseen(number, _shown(solution, k), fitted, method)
         if reason is None and k not in alike:
@@ -68,7 +67,8 @@ def find(solution: Solution, sure: Uncertainty, fitted: Model, method: str, c: C
             for parameter, reason in implausible(instance.effect, instance.parameters, c):
                 free = solution.freedom.index(f"effects.{name}.{parameter}")
                 if free is not None:
-                    written = _written(instance.parameters[parameter], numbers[free], fitted)
+                    number = numbers[free]
+                    written = with_unit(fitted, instance.parameters[parameter], number.unit, angle=number.periodic)
                     message = f"{name}.{parameter} = {written}: {reason}"
                     found.append(Finding("absurd", name, parameter, message))
     return found
@@ -144,7 +144,7 @@ def _needless(number: FreeParameter, value: float, std: float, model: Model) -> 
     size = effect.parameters[0]
     if parameter != size.name or size.neutral is None or abs(value - size.neutral) >= LIKELY * std:
         return None
-    found = f"{_written(value, number, model)} ± {_written(std, number, model)}"
+    found = " ± ".join(with_unit(model, told, number.unit, angle=number.periodic) for told in (value, std))
     return (
         f"= {found} is no more than its standard error: these recordings do not need it; record "
         f"{effect.shown_by}, or remove {name}"
@@ -178,9 +178,3 @@ def _groups(solution: Solution, sure: Uncertainty) -> list[list[int]]:
 def _size(number: FreeParameter, value: float) -> float:
     """Size that a standard error is compared with: 1 rad for an angle, otherwise the typical size."""
     return 1.0 if number.periodic else (abs(value) if number.log else number.scale)
-
-
-def _written(value: float, number: FreeParameter, model: Model) -> str:
-    """A value with its unit; for a linear machine in that machine's unit."""
-    value, unit = (value, number.unit) if number.periodic else shown(model, value, number.unit)
-    return f"{value:.4g}" if unit == "1" else f"{value:.4g} {unit}"

@@ -18,7 +18,7 @@ from ..model.roles import DRY_FRICTION, PLAY, SPRING
 from .equation import EquationErrorProblem
 from .excerpt import excerpt
 from .fit import Fit, fits
-from .hypothesis import DRY_SCALE, Hypothesis
+from .hypothesis import DRY_SCALE, Hypothesis, dry_friction
 from .local_minima import best_of, ranked, starting
 from .sensors import hysteresis, with_sensors
 
@@ -128,11 +128,7 @@ def _wound_by(spring: Hypothesis, hysteresis: float) -> Hypothesis | None:
     None if the model has no friction at its output.
     """
     model = spring.model()
-    friction = sum(
-        instance.parameters["torque"]
-        for instance in model.active.values()
-        if instance.effect == DRY_FRICTION and instance.options["side"] == "output"
-    )
+    friction = dry_friction(model.active.values())["output"]
     if not friction > 0.0:
         return None
     stiffness = spring.instance(list(spring.added)[-1]).parameters["stiffness"]
@@ -148,11 +144,7 @@ def _is_contact(f: Fit) -> bool:
 
 def _sides(h: Hypothesis) -> list[dict[str, float]]:
     """Factors that put more or less of the friction on the output side, with the sum unchanged."""
-    dry = h.model().active.values()
-    torque = {
-        side: sum(i.parameters["torque"] for i in dry if i.effect == DRY_FRICTION and i.options["side"] == side)
-        for side in ("motor", "output")
-    }
+    torque = dry_friction(h.model().active.values())
     return [
         {
             "scale.output_coulomb": share,

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..criteria import CALIBRATION, CONTRADICTED, SEARCHED_UP_TO, SMALL
-from ..effects import Parameter, catalogue
-from ..model import Model
+from ..effects import catalogue
+from ..model import EffectInstance, Model
 from ..model.check_comment import START_VALUE
 from ..model.constants import CONSTANTS
 from ..model.model_file import ABSENT, TORQUE_CONSTANT
@@ -38,9 +38,8 @@ def standard_errors(problem: EquationErrorProblem, f: Fit, known: np.ndarray | N
         along, ahead = now[f"scale.{id}"], now[path]
         size = max(math.hypot(along, ahead), 1e-12)
         for what, slopes in (("scale", (along / size, ahead / size)), ("angle", (-ahead / size**2, along / size**2))):
-            sure[f"{what}.{id}"] = math.sqrt(
-                max(float(np.array(slopes) @ known[np.ix_(both, both)] @ np.array(slopes)), 0.0)
-            )
+            variance = float(np.array(slopes) @ known[np.ix_(both, both)] @ np.array(slopes))
+            sure[f"{what}.{id}"] = math.sqrt(max(variance, 0.0))
     return sure
 
 
@@ -93,22 +92,25 @@ def parameters(f: Fit, sure: Mapping[str, float]) -> dict[str, dict[str, Any]]:
     for name, instance in f.hypothesis.model().effects.items():
         if name not in f.hypothesis.added:
             continue
-        effect = catalogue()[instance.effect]
-        entry: dict[str, Any] = {
-            "effect": instance.effect,
-            "options": shown_options(f.hypothesis.base, instance.options),
-        }
-        for p in effect.parameters_with(instance.options):
-            value = instance.parameters[p.name]
-            std = reported(sure.get(f"effects.{name}.{p.name}"), value, p)
-            entry[p.name] = shown_entry(f.hypothesis.base, value, std, p.unit, angle=p.periodic)
-        found[name] = entry
+        base = f.hypothesis.base
+        entry = {"effect": instance.effect, "options": shown_options(base, instance.options)}
+        found[name] = entry | shown_parameters(base, name, instance, sure)
     return found
 
 
-def reported(std: float | None, value: float, parameter: Parameter) -> float | None:
-    """A standard error, increased by the difference between two right formulations of the same physics."""
-    return std if std is None or parameter.periodic else math.hypot(std, CALIBRATION * value)
+def shown_parameters(
+    base: Model, name: str, instance: EffectInstance, sure: Mapping[str, float]
+) -> dict[str, dict[str, object]]:
+    """By parameter of an added effect: its value, unit and standard error, ``sure`` telling the errors by path.
+
+    Errors are increased by the difference between two right formulations of the same physics.
+    """
+    found = {}
+    for p in catalogue()[instance.effect].parameters_with(instance.options):
+        value, std = instance.parameters[p.name], sure.get(f"effects.{name}.{p.name}")
+        told = std if std is None or p.periodic else math.hypot(std, CALIBRATION * value)
+        found[p.name] = shown_entry(base, value, told, p.unit, angle=p.periodic)
+    return found
 
 
 def constants(f: Fit, sure: Mapping[str, float], given: Model) -> dict[str, dict[str, dict[str, object]]]:

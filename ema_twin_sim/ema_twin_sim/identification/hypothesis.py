@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -89,6 +90,10 @@ class Hypothesis:
             for one in self.free
         )
         return replace(self, free=free).put(values)
+
+    def nominal(self) -> dict[str, float]:
+        """By path: the values that the model file gives, within a tolerance, to free parameters."""
+        return {free.path: free.prior[0] for free in self.free if free.prior is not None}
 
     def parameter_of(self, path: str) -> Parameter | None:
         """Catalogue entry of the free parameter at a ``path``; None if it is not an added effect's."""
@@ -217,9 +222,8 @@ class Hypothesis:
                 lower, upper = -math.inf, math.inf
             elif p.neutral is None and p.starts and math.isinf(p.upper):
                 # far outside its starts an effect cannot be distinguished from none
-                beyond = (
-                    SEARCHED_BEYOND_STARTS if self.by_torque else SEARCHED_BEYOND_STARTS**5
-                )  # own units follow only from a typical speed
+                # without torque data much farther: own units follow only from a typical speed
+                beyond = SEARCHED_BEYOND_STARTS if self.by_torque else SEARCHED_BEYOND_STARTS**5
                 lower, upper = max(lower, min(p.starts) / beyond), min(upper, max(p.starts) * beyond)
             free.append(Free(f"effects.{name}.{p.name}", lower, upper, step))
             values.append(start)
@@ -321,8 +325,16 @@ class Hypothesis:
 
     def without_generic_basis(self, name: str) -> Hypothesis:
         """The hypothesis without one generic basis."""
-        keep = [k for k, f in enumerate(self.free) if not f.path.startswith(f"basis.{name}.")]
-        return replace(self, free=tuple(self.free[k] for k in keep), values=self.values[keep])
+        return self._less(f"basis.{name}.")
+
+    def without_generic_bases(self) -> Hypothesis:
+        """The hypothesis without all of them: they describe only their own recordings."""
+        return self._less("basis.")
+
+    def _less(self, *prefixes: str, **changed: Any) -> Hypothesis:
+        """The hypothesis without the free parameters whose paths begin with these ``prefixes``."""
+        keep = [k for k, f in enumerate(self.free) if not f.path.startswith(prefixes)]
+        return replace(self, free=tuple(self.free[k] for k in keep), values=self.values[keep], **changed)
 
     def with_torques_times(self, factor: float) -> Hypothesis:
         """Multiply every free torque, stiffness, damping and inertia, as a different torque constant would."""
@@ -381,12 +393,16 @@ class Hypothesis:
             ),
         )
 
-    def without(self, name: str) -> Hypothesis:
-        """The hypothesis without one added effect."""
-        keep = [k for k, f in enumerate(self.free) if not f.path.startswith(f"effects.{name}.")]
-        return replace(
-            self,
-            added={k: v for k, v in self.added.items() if k != name},
-            free=tuple(self.free[k] for k in keep),
-            values=self.values[keep],
-        ).with_sides()
+    def without(self, *names: str) -> Hypothesis:
+        """The hypothesis without some added effects."""
+        added = {name: held for name, held in self.added.items() if name not in names}
+        return self._less(*(f"effects.{name}." for name in names), added=added).with_sides()
+
+
+def dry_friction(instances: Iterable[EffectInstance]) -> dict[str, float]:
+    """Level of dry friction [N m] on the motor's and on the output's side, of these effects."""
+    found = {"motor": 0.0, "output": 0.0}
+    for instance in instances:
+        if instance.effect == DRY_FRICTION:
+            found[instance.options["side"]] += instance.parameters["torque"]
+    return found

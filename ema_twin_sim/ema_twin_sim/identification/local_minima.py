@@ -8,11 +8,11 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 import numpy as np
 
 from ..criteria import BESIDE_IMPACTS, FAR_OFF_ROW, NEGLIGIBLE
-from ..model.roles import DRY_FRICTION, PLAY, SPRING
+from ..model.roles import PLAY, SPRING
 from .comparable import cheapest, costs_no_more
 from .equation import EquationErrorProblem
 from .fit import Fit, fits
-from .hypothesis import DRY_SCALE, INERTIAS, Hypothesis
+from .hypothesis import DRY_SCALE, INERTIAS, Hypothesis, dry_friction
 
 FINALISTS = 2
 STIFFER = (0.8, 0.9, 1.0, 1.1, 1.25)  # factors on a stiffness that a hop tries
@@ -55,7 +55,8 @@ def hopped(best: Fit, names: Collection[str]) -> Fit:
         hops = (*_hops(best.hypothesis, names), *output_weights(best.hypothesis))
         beside = [starting(best.hypothesis, hop) for hop in hops]
         costs = [problem.misfit(problem.unexplained(rows)) for rows in problem.rows_of(beside)]
-        starts = [_as_in_the_model(best.hypothesis), *(beside[int(k)] for k in np.argsort(costs)[:1])]
+        as_filed = best.hypothesis.put(best.hypothesis.nominal())
+        starts = [as_filed, *(beside[int(k)] for k in np.argsort(costs)[:1])]
         better = cheapest(fits(problem, starts))
         much = costs_no_more(better, best, 1.0 - NEGLIGIBLE)
         best = cheapest((best, better))
@@ -90,11 +91,7 @@ def output_weights(h: Hypothesis) -> Iterator[dict[str, float]]:
         return
     model = h.model()
     motor, output = sum(model.value(path) for path in INERTIAS[:-1]), model.value(INERTIAS[-1])
-    dry = {"motor": 0.0, "output": 0.0}
-    for name in h.base.active:
-        instance = model.effects[name]
-        if instance.effect == DRY_FRICTION:
-            dry[instance.options["side"]] += instance.parameters["torque"]
+    dry = dry_friction(model.effects[name] for name in h.base.active)
     springs = [f"effects.{name}" for name, one in h.added.items() if one.effect == SPRING]
     behind = ["scale.output_inertia", "scale.output_coulomb"]
     behind += [f"{owner}.{number}" for owner in ("contact", *springs) for number in ("stiffness", "damping")]
@@ -105,8 +102,3 @@ def output_weights(h: Hypothesis) -> Iterator[dict[str, float]]:
         }
         if min(lighter.values()) > 0.0:
             yield {**dict.fromkeys(behind, factor), **lighter}
-
-
-def _as_in_the_model(h: Hypothesis) -> Hypothesis:
-    """A hypothesis with all constants that have a tolerance at their nominal values."""
-    return h.put({free.path: free.prior[0] for free in h.free if free.prior is not None})

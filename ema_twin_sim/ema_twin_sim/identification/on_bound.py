@@ -9,6 +9,7 @@ import numpy as np
 
 from ..criteria import LIKELY, NEARLY_ALL, NEGLIGIBLE, SIGNIFICANT, SMALL
 from ..effects import Parameter, catalogue
+from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.own_units import shown
 from ..model.roles import DRY_FRICTION, FRICTION, TORQUE_FACTOR
@@ -126,7 +127,7 @@ def _added(f: Fit, rest: str, side: str) -> list[str]:
         return []
     faster = p.driven and side == "upper"
     remedy = "faster motion" if faster else effect.shown_by
-    written = _written(f, instance.parameters[parameter], p.unit, angle=p.periodic)
+    written = with_unit(f.hypothesis.base, instance.parameters[parameter], p.unit, angle=p.periodic)
     return [f"{name}: {parameter} is on its bound {written}; record {remedy}, or hold {parameter} at what is known"]
 
 
@@ -138,21 +139,21 @@ def _open(f: Fit, what: str) -> list[str]:
         parted = [path for path in INERTIAS if not f.hypothesis.parted or (path == INERTIAS[-1]) == output]
         paths = [path for path in parted if base.value(path) > 0.0]
         return [
-            f"{base.shown_path(path)} is on its bound {_written(f, model.value(path), CONSTANTS[path].unit)}; "
+            f"{base.shown_path(path)} is on its bound {with_unit(base, model.value(path), CONSTANTS[path].unit)}; "
             f"record {INERTIA_SHOWN_BY}, {START_ELSEWHERE}"
             for path in paths
         ]
     id = DRY_FRICTION if what == "output_coulomb" else what
     size = catalogue()[id].parameters[0]
     return [
-        f"{name}: {size.name} is on its bound {_written(f, model.effects[name].parameters[size.name], size.unit)}; "
+        f"{name}: {size.name} is on its bound {with_unit(base, model.effects[name].parameters[size.name], size.unit)}; "
         f"record {catalogue()[id].shown_by}, {START_ELSEWHERE}"
         for name, instance in base.active.items()
         if instance.effect == id
     ]
 
 
-def _written(f: Fit, value: float, unit: str, *, angle: bool = False) -> str:
+def with_unit(model: Model, value: float, unit: str, *, angle: bool = False) -> str:
     """A value with its unit; for a linear machine in that machine's unit."""
-    value, unit = (value, unit) if angle else shown(f.hypothesis.base, value, unit)
+    value, unit = (value, unit) if angle else shown(model, value, unit)
     return f"{value:.4g}" if unit == "1" else f"{value:.4g} {unit}"

@@ -41,7 +41,7 @@ class Stops:
         columns = [(part, column) for part, column in judged if column.any()]
         if not columns:
             return cls(())
-        shares = _shares(observations, torque_parts, columns)
+        shares = _shares(observations, columns)
         return cls(
             tuple(
                 (part, column / np.linalg.norm(column))
@@ -77,27 +77,17 @@ def _at_rows(o: Observation, torque: np.ndarray) -> np.ndarray:
     return rows / o.torque_noise
 
 
-def _shares(
-    observations: Sequence[Observation], torque_parts: Sequence[slice], columns: Sequence[tuple[slice, np.ndarray]]
-) -> np.ndarray:
+def _shares(observations: Sequence[Observation], columns: Sequence[tuple[slice, np.ndarray]]) -> np.ndarray:
     """Torque of each column as a share of the dry friction level.
 
     It is regressed together with inertia, sliding friction and a constant load.
     """
-    rows = np.concatenate(
-        [
-            np.stack(
-                [
-                    _at_rows(o, np.sign(o.motion[:, SPEED])),
-                    _at_rows(o, o.motion[:, SPEED]),
-                    o.acceleration / o.torque_noise,
-                    1.0 / o.torque_noise,
-                ],
-                axis=1,
-            )
-            for o in observations
-        ]
-    )
+    each = []
+    for o in observations:
+        speed = o.motion[:, SPEED]
+        sliding = _at_rows(o, np.sign(speed)), _at_rows(o, speed)
+        each.append(np.stack([*sliding, o.acceleration / o.torque_noise, 1.0 / o.torque_noise], axis=1))
+    rows = np.concatenate(each)
     of_stops = np.zeros((len(rows), len(columns)))
     for k, (part, column) in enumerate(columns):
         of_stops[part, k] = column

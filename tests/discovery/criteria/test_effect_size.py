@@ -22,6 +22,7 @@ from ema_twin_sim.discovery.criteria import worth
 from ema_twin_sim.discovery.criteria.worth import has_effect_size, is_lacked
 from ema_twin_sim.plant.measured_motion import MOTION, MOTOR_ANGLE
 from tests.fits_by_hand import a_fit, a_hypothesis, a_problem
+from tests.opened import an_open
 
 ROWS = 100
 LOADED = "gravity_load"
@@ -36,6 +37,14 @@ def step(stock, size, *effects, left=1.0, **options):
     options.setdefault("inflations", (BIG, BIG))
     bare, full = a_hypothesis(stock, *effects[:-1]), a_hypothesis(stock, *effects)
     return a_fit(bare, before, **options), a_fit(full, raw, **options)
+
+
+def of_encoders_too(fits):
+    """The fits before and after a step, with 50 rows of the encoders that leave as much as those of the torque."""
+    before, after = fits
+    before.raw, after.raw = np.full(ROWS + 50, 4.0), np.ones(ROWS + 50)
+    before.weights = after.weights = np.ones(ROWS + 50)
+    return before, after
 
 
 def named(stock, size, *effects, problem=None, **options):
@@ -165,10 +174,8 @@ class TestNoSize:
     @pytest.mark.parametrize(("of_upper", "size"), [(1.0 - NEGLIGIBLE, False), (0.97, True), (1.0, False)])
     def test_a_spring_as_stiff_as_it_may_be_does_nothing(self, of_upper, size, stock):
         problem = a_problem(ROWS, encoder_rows=(50,))
-        before, after = step(stock, 3.0, "shaft_compliance")
+        before, after = of_encoders_too(step(stock, 3.0, "shaft_compliance"))
         upper = next(f.upper for f in after.hypothesis.free if f.path == "effects.shaft_compliance.stiffness")
-        before.raw, after.raw = np.full(150, 4.0), np.ones(150)
-        before.weights = after.weights = np.ones(150)
         after.hypothesis = after.hypothesis.put({"effects.shaft_compliance.stiffness": of_upper * upper})
         assert has_effect_size(problem, before, after) == size
 
@@ -210,9 +217,7 @@ class TestNoSize:
             ("rotor_eccentricity", 1e-6, True),
             ("encoder_delay", 1e-6, True),
         ):
-            before, after = step(stock, 3.0, effect)
-            before.raw, after.raw = np.full(150, 4.0), np.ones(150)
-            before.weights = after.weights = np.ones(150)
+            before, after = of_encoders_too(step(stock, 3.0, effect))
             name = "delay" if effect == "encoder_delay" else "amplitude"
             after.hypothesis = a_hypothesis(model, effect, **{effect: {name: size * count}})
             assert has_effect_size(problem, before, after) == enough, effect
@@ -279,8 +284,7 @@ class TestEncoders:
         self, share, enough, problem, stock
     ):
         """It is of how they part about their mean: where they began, nobody knows."""
-        inertia = replace(stock.constants["machine.motor_inertia"], tolerance=math.inf)
-        model = replace(stock, constants={**stock.constants, "machine.motor_inertia": inertia})
+        model = an_open(stock)
         assert model.is_open and not stock.is_open
         swing = 40.0 * np.tile([-1.0, 1.0], ROWS // 2)
         problem.measured[ROWS:] = 7.0 + swing
@@ -298,8 +302,7 @@ class TestEncoders:
 
     def test_where_no_torque_was_measured_play_is_judged_by_what_an_encoders_error_leaves(self, stock):
         """The error may be far larger than the play beside it."""
-        inertia = replace(stock.constants["machine.motor_inertia"], tolerance=math.inf)
-        model = replace(stock, constants={**stock.constants, "machine.motor_inertia": inertia})
+        model = an_open(stock)
         problem = a_problem(0, encoder_rows=(ROWS,))
         swing = np.tile([-1.0, 1.0], ROWS // 2)
         problem.measured[:] = 1000.0 * swing

@@ -5,11 +5,10 @@ import pytest
 
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.criteria.in_place_of_dry_friction import in_place_of_dry_friction
-from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
-from ema_twin_sim.measured.observe import observe_all
 from tests.large_arm import open_arm
+from tests.problems import problem_of
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +33,7 @@ def swings(arm, dry, mesh):
 
 def judged(arm, dry, mesh, level):
     """What the rule says of mesh friction beside a dry friction of the model that ended at ``level`` of its file's."""
-    problem = EquationErrorProblem(observe_all(swings(arm, dry, mesh), arm))
+    problem = problem_of(swings(arm, dry, mesh), arm)
     h = null_hypothesis(arm).with_effect("constant_load", {}, {"torque": 50.0})
     h = h.with_effect("mesh_friction", {}, {"coefficient": 0.2})
     h = h.put({"scale.coulomb_friction": level})
@@ -50,6 +49,6 @@ def test_what_stands_beside_it_stays(arm):
 
 
 def test_only_friction_can_take_its_place(arm):
-    problem = EquationErrorProblem(observe_all(swings(arm, 15.0, 0.0), arm))
+    problem = problem_of(swings(arm, 15.0, 0.0), arm)
     h = null_hypothesis(arm).with_effect("constant_load", {}, {"torque": 50.0}).put({"scale.coulomb_friction": 0.0})
     assert not in_place_of_dry_friction(problem, fit(problem, h, 0), "constant_load")

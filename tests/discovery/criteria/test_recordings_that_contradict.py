@@ -25,18 +25,20 @@ def fitted(*shares, noise=1.0, size=100.0, inflation=1.0, other=0.0, file_value=
         jacobian.append(np.stack([5.0 * inertia, np.zeros(ROWS), size * direction / file_value], 1))
         residual.append(share * size * direction + noise * random.normal(size=ROWS) + other * random.normal(size=ROWS))
     paths = [CONSTANTS["inertia"], "sensors.offset", CONSTANTS["dry friction"]]
-    hypothesis = SimpleNamespace(
-        free=[SimpleNamespace(path=path, prior=prior) for path in paths], values=np.array([1.0, 1.0, file_value])
-    )
+    free = [SimpleNamespace(path=path, prior=prior) for path in paths]
+    return problem_and_fit(free, [1.0, 1.0, file_value], jacobian, residual, inflation)
+
+
+def problem_and_fit(free, values, jacobian, residual, inflation=1.0):
+    """A problem and a fit of these free parameters, given the rows of each recording."""
     problem = SimpleNamespace(
-        observations=[SimpleNamespace(name=f"run {k}") for k in range(len(shares))],
-        torque_parts=[slice(k * ROWS, (k + 1) * ROWS) for k in range(len(shares))],
+        observations=[SimpleNamespace(name=f"run {k}") for k in range(len(residual))],
+        torque_parts=[slice(k * ROWS, (k + 1) * ROWS) for k in range(len(residual))],
     )
-    f = SimpleNamespace(
-        hypothesis=hypothesis, jacobian=np.concatenate(jacobian), residual=np.concatenate(residual),
-        variance_inflation=inflation,
+    return problem, SimpleNamespace(
+        hypothesis=SimpleNamespace(free=free, values=np.array(values)), jacobian=np.concatenate(jacobian),
+        residual=np.concatenate(residual), variance_inflation=inflation,
     )  # fmt: skip
-    return problem, f
 
 
 def test_none_where_all_agree():
@@ -86,24 +88,14 @@ def accelerated(inertia, torque_rest, disturbed):
     it is in no torque: both in shares of its acceleration.
     """
     random = np.random.default_rng(3)
-    wave, direction = (np.sqrt(2.0) * np.cos(np.linspace(0.0, 40.0, ROWS)), np.ones(ROWS))
+    wave, direction = np.sqrt(2.0) * np.cos(np.linspace(0.0, 40.0, ROWS)), np.ones(ROWS)
     jacobian, residual = [], []
     for share, rest, moved in ((1.0, 0.1, 0.0), (1.0, 0.1, 0.0), (inertia, torque_rest, disturbed)):
         acceleration = 20.0 * (wave + moved * random.normal(size=ROWS))
         jacobian.append(np.stack([acceleration, 100.0 * direction], 1))
         residual.append(20.0 * (share * wave + rest * random.normal(size=ROWS)) - acceleration)
-    paths = [CONSTANTS["inertia"], CONSTANTS["dry friction"]]
-    hypothesis = SimpleNamespace(free=[SimpleNamespace(path=path, prior=0.1) for path in paths], values=np.ones(2))
-    problem = SimpleNamespace(
-        observations=[SimpleNamespace(name=f"run {k}") for k in range(3)],
-        torque_parts=[slice(k * ROWS, (k + 1) * ROWS) for k in range(3)],
-    )
-    return problem, SimpleNamespace(
-        hypothesis=hypothesis,
-        jacobian=np.concatenate(jacobian),
-        residual=np.concatenate(residual),
-        variance_inflation=1.0,
-    )
+    free = [SimpleNamespace(path=CONSTANTS[name], prior=0.1) for name in ("inertia", "dry friction")]
+    return problem_and_fit(free, [1.0, 1.0], jacobian, residual)
 
 
 def test_an_acceleration_that_a_disturbance_causes_shows_no_smaller_inertia():

@@ -88,7 +88,7 @@ class Detection:
     """The effects that may be added to an explanation, and how clearly recordings would show them."""
 
     def __init__(self, found: Fit, excluded: frozenset[str]) -> None:
-        self.hypothesis = without_generic_bases(found.hypothesis)
+        self.hypothesis = found.hypothesis.without_generic_bases()
         self._found = found
         self._columns = _columns(found.hypothesis, excluded)
         self.effects = tuple(dict.fromkeys(column.effect for column in self._columns))
@@ -179,10 +179,3 @@ def marginal(information: np.ndarray, keep: np.ndarray) -> np.ndarray:
     across = even[np.ix_(~keep, keep)]
     inner = even[np.ix_(~keep, ~keep)] + 1e-9 * np.eye(int(np.sum(~keep)))
     return (even[np.ix_(keep, keep)] - across.T @ np.linalg.solve(inner, across)) / np.outer(size[keep], size[keep])
-
-
-def without_generic_bases(h: Hypothesis) -> Hypothesis:
-    """A hypothesis without its generic bases, which describe only their own recordings."""
-    for name in h.generic_bases:
-        h = h.without_generic_basis(name)
-    return h

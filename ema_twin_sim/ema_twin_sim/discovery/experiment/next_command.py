@@ -84,7 +84,8 @@ def best_command(
     limits, the command stays within what the recordings have driven, unless only a command beyond that decides more
     doubts or shows more effects. ``few`` tries only a handful.
     """
-    field = RivalField(problem, found, held, _signals_of(recordings), detection)
+    in_all = frozenset.intersection(*(frozenset(recording.signals) for recording in recordings))
+    field = RivalField(problem, found, held, in_all, detection)
     allowed = limits or driven_limits(problem.observations, field.base.value("machine.gear_ratio"))
     tried = _evaluate_all(field, allowed, few, (), progress)
     if limits is None and (detection is not None or not any(_decides_all(e) for e in tried)):
@@ -220,8 +221,3 @@ def _varied(ranked: Sequence[Evaluated]) -> list[Evaluated]:
     """The same, with the best of each kind of command first."""
     first = {e.trial.kind: e for e in reversed(ranked)}
     return sorted(ranked, key=lambda e: first[e.trial.kind] is not e)
-
-
-def _signals_of(recordings: Sequence[Recording]) -> frozenset[str]:
-    """The signals that all recordings have."""
-    return frozenset.intersection(*(frozenset(recording.signals) for recording in recordings))

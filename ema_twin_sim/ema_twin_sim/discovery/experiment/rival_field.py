@@ -33,7 +33,7 @@ from ...simulation.stand_in_drive import with_stand_in_drive
 from ...simulation.virtual_bench import virtual_bench
 from .bench_limits import Limits, reached
 from .command_grid import LONGEST, Planned, command_grid
-from .detection import Detection, Showing, marginal, without_generic_bases
+from .detection import Detection, Showing, marginal
 from .doubts import NOTHING, Doubt, Rival, reverses
 
 _STEP = 1.25e-4  # own s, integration step: a plan needs no finer one
@@ -260,6 +260,5 @@ def _holds(one: Rival, other: Rival) -> bool:
 
 def _contender(rival: Rival) -> Explanation:
     h = rival.fit.hypothesis
-    # generic bases describe only their own recordings
     physical = np.array([not free.path.startswith("basis.") for free in h.free])
-    return Explanation(rival.name, without_generic_bases(h), marginal(linearised(rival.fit).information, physical))
+    return Explanation(rival.name, h.without_generic_bases(), marginal(linearised(rival.fit).information, physical))

@@ -8,13 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 
-from ...criteria import (
-    BESIDE_IMPACTS,
-    DEPENDS,
-    MOST_EFFECTS,
-    MOSTLY,
-    NEARLY_ALL,
-)
+from ...criteria import BESIDE_IMPACTS, DEPENDS, MOST_EFFECTS, MOSTLY, NEARLY_ALL
 from ...effects import Trait, catalogue, effects_with
 from ...identification.candidates import candidates
 from ...identification.comparable import as_compares, cheapest, costs_no_more
@@ -80,7 +74,7 @@ def add_best(
     current: Fit,
     entering: Callable[[Fit, frozenset[str]], Sequence[Fit]],
     most: int,
-    progress: Callable[[str], None] = lambda text: None,
+    progress: Callable[[str], None],
 ) -> tuple[Fit, list[Round]]:
     """Add the best of those ``entering`` in each round until none is worth its penalty.
 
@@ -158,13 +152,8 @@ def take_best(current: Fit, tried: Sequence[Fit]) -> Round:
 
 def trial_of(before: Fit, after: Fit) -> Trial:
     """The effects that ``after`` has and ``before`` has not, and what they gain."""
-    problem = before.problem
-    return Trial(
-        new_names(before, after),
-        after,
-        penalised_gain(before, after),
-        largest_rms_reduction(problem, before, after),
-    )
+    unique = largest_rms_reduction(before.problem, before, after)
+    return Trial(new_names(before, after), after, penalised_gain(before, after), unique)
 
 
 def _ranked(trials: Iterable[Trial], choices: Mapping[str, int]) -> tuple[Trial, ...]:

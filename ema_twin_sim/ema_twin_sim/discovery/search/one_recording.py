@@ -9,8 +9,7 @@ from collections.abc import Callable
 
 from ...criteria import DEPENDS, TOLERANCE
 from ...effects import catalogue
-from ...identification.fit import Fit, fit
-from ...identification.hypothesis import Hypothesis
+from ...identification.fit import fit
 from ...identification.wander import Wander
 from ...identification.wandering import wandering
 from ..criteria.worth import ENCODER_ONLY, NOTHING_ELSE, penalised_gain, standing_on
@@ -59,15 +58,12 @@ def _wandering_instead(found: Search) -> tuple[str, Wander] | None:
                 continue
             beside = with_wander(bare, wander)
             cost = torque_cost(beside) + wander.complexity_penalty
-            if cost <= torque_cost(f) + DEPENDS and _hardly_gains(f.hypothesis, beside):
+            if cost > torque_cost(f) + DEPENDS:
+                continue
+            if penalised_gain(beside, fit(beside.problem, f.hypothesis)) <= DEPENDS:  # no more than chance does
                 likely.append((cost, name, wander))
     least = min(likely, key=lambda one: one[0], default=None)
     return None if least is None else least[1:]
-
-
-def _hardly_gains(h: Hypothesis, beside: Fit) -> bool:
-    """Whether a hypothesis with one more effect gains no more than chance does, beside friction that wanders."""
-    return penalised_gain(beside, fit(beside.problem, h)) <= DEPENDS
 
 
 def _least_told(found: Search) -> str | None:

@@ -326,10 +326,7 @@ def swapped(found: Search, rival: Fit, reason: str = BEATEN) -> Search:
     """The search with one more round, in which a rival replaced one effect or several."""
     best, problem = found.fit, found.problem
     added, removed = new_names(best, rival), new_names(rival, best)
-    bare = best.hypothesis
-    for name in removed:
-        bare = bare.without(name)
-    nothing = fit(problem, bare, 8, known=best)
+    nothing = fit(problem, best.hypothesis.without(*removed), 8, known=best)
     tried = tuple(
         Trial(names, f, penalised_gain(nothing, f), largest_rms_reduction(problem, nothing, f))
         for names, f in ((added, rival), (removed, best))

@@ -27,10 +27,7 @@ from ...identification.wander import Wander
 from ...identification.wandering import wandering
 from ...identification.weighting import FAR
 from ...model.roles import FRICTION
-from ..criteria.worth import (
-    ENCODER_ONLY,
-    complexity_penalty,
-)
+from ..criteria.worth import ENCODER_ONLY, complexity_penalty
 from .adding import add_effects, add_structure, added_and_removed, beside_impacts, settle
 from .laws import under_best_laws
 from .removing import significant
@@ -47,7 +44,7 @@ def parted_encoders(f: Fit) -> bool:
 
 @dataclass(frozen=True)
 class _Asked:
-    """Inputs of a search: where it begins, what its rounds may not add, and how many rounds a phase may have.
+    """Inputs of a search: where it begins, and what its rounds may not add.
 
     ``by_torque`` are the effects excluded while only the torque is searched, ``without`` those that are always
     excluded. ``restarts`` collects the ends of searches that were restarted with wandering friction.
@@ -57,7 +54,6 @@ class _Asked:
     without: frozenset[str]
     by_torque: frozenset[str]
     progress: Callable[[str], None]
-    most: int
     restarts: Restarts
 
 
@@ -66,29 +62,27 @@ def search(
     null: Hypothesis,
     without: frozenset[str] = frozenset(),
     progress: Callable[[str], None] = lambda text: None,
-    most: int = MOST_EFFECTS,
-    may_wander: bool = True,
 ) -> Search:
     """Add effects to ``null``, each worth its complexity penalty, and remove those that later ones make needless.
 
-    Each phase of a search has at most ``most`` rounds; with known constants a search stops at seven effects in all. If
-    the encoders differ, the search is first by torque alone, then for backlash and compliance, then for everything
-    together: a gearbox can only be simulated with the right loads. If what remains of the torque is wandering friction,
-    and ``may_wander``, the search restarts with wandering as part of the noise.
+    Each phase of a search has a limited number of rounds; with known constants a search stops at seven effects in all.
+    If the encoders differ, the search is first by torque alone, then for backlash and compliance, then for everything
+    together: a gearbox can only be simulated with the right loads. If what remains of the torque of a known machine is
+    wandering friction, the search restarts with wandering as part of the noise.
     """
     bare = settle(fit(problem.under(problem.weighting.begun_anew(FAR)), null))
     if null.base.value("machine.output_inertia") == 0.0:
         without = without | set(COMPLIANT_EFFECTS)  # there is nothing behind the teeth
     if not problem.size:
-        return _by_encoders_alone(bare, without, progress, most)
+        return _by_encoders_alone(bare, without, progress)
     parts = parted_encoders(bare) and not without >= {*COMPLIANT_EFFECTS, *ENCODER_ONLY}
     # effects that only the encoders show are considered only if the encoders differ
     by_torque = without | (_misleading(null) if parts else ENCODER_ONLY)
     if parts:
         progress("searching by torque alone")
     begun = fit(bare.problem.by_torque_alone(), bare.hypothesis) if parts else bare
-    may_wander = may_wander and begun.problem.weighting.wander is None and not null.base.is_open
-    asked = _Asked(null, without, by_torque, progress, most, Restarts())
+    may_wander = begun.problem.weighting.wander is None and not null.base.is_open
+    asked = _Asked(null, without, by_torque, progress, Restarts())
     current, rounds = _add_effects_or_wander(asked, begun, [], may_wander)
     if parts:
         current, rounds = _beside_encoders(asked, current, rounds, may_wander)
@@ -150,13 +144,13 @@ def _beside_gearbox(asked: _Asked, current: Fit, rounds: list[Round], may_wander
         plain = current.problem
         problem = plain.under(replace(plain.weighting.begun_anew(BESIDE_IMPACTS), wander=wander))
         begun = settle(fit(problem, current.hypothesis))
-        beside, more = add_effects(begun, asked.without, asked.progress, most=asked.most)
+        beside, more = add_effects(begun, asked.without, asked.progress)
         if explains_torque_with(wander, plain, beside):
             return beside, [*rounds, *more]
     if not first or not first[0].added:
         return current, [*rounds, *first]
     excluded = asked.without | added_and_removed(first)
-    after, more = add_effects(after, excluded, asked.progress, most=asked.most - 1)
+    after, more = add_effects(after, excluded, asked.progress, most=MOST_EFFECTS - 1)
     return after, [*rounds, *first, *more]
 
 
@@ -167,18 +161,18 @@ def explains_torque_with(wander: Wander, plain: EquationErrorProblem, beside: Fi
     return left <= MISFIT_LEFT and not depends_on_more(plain, beside.hypothesis, paid)
 
 
-def _by_encoders_alone(bare: Fit, without: frozenset[str], progress: Callable[[str], None], most: int) -> Search:
+def _by_encoders_alone(bare: Fit, without: frozenset[str], progress: Callable[[str], None]) -> Search:
     """The search without torque data: what lets the encoders differ, and errors of the encoders."""
     current = bare
     rounds: list[Round] = []
     # An encoder's error may be larger than the backlash, which shows only once that error is found.
-    while len(rounds) < most and parted_encoders(current) and not _gives_way(current):
+    while len(rounds) < MOST_EFFECTS and parted_encoders(current) and not _gives_way(current):
         progress("trying play and compliance")
         current, turns = add_structure(current, without)
         rounds += turns
         if not turns[-1].added:
             break
-    current, further = add_effects(current, without, progress, most=most)
+    current, further = add_effects(current, without, progress)
     return significant(Search(current, (*rounds, *further)))
 
 
@@ -199,11 +193,11 @@ def _add_effects_or_wander(asked: _Asked, begun: Fit, rounds: list[Round], may_w
     later = bool(rounds)  # the residual of the torque alone was tested before
     without = asked.without if later else asked.by_torque
     if not may_wander:
-        current, more = add_effects(begun, without, asked.progress, most=asked.most)
+        current, more = add_effects(begun, without, asked.progress)
         return current, [*rounds, *more]
     current, more = begun, []
     weaker, refused = later, False  # whether wandering explains less than one effect, and less than many
-    while len(more) < asked.most:
+    while len(more) < MOST_EFFECTS:
         after, turns = add_effects(current, without | added_and_removed(more), asked.progress, most=1)
         if not turns or not turns[0].added:
             more += turns
@@ -263,7 +257,7 @@ def _beside_wander(
             f"friction seems to vary slowly by {wander.share:.1%}: starting again with that as part of the noise"
         )
         anew = plain.under(replace(plain.weighting.begun_anew(FAR), wander=wander))
-        return add_effects(settle(fit(anew, asked.null)), asked.by_torque, asked.progress, most=asked.most)
+        return add_effects(settle(fit(anew, asked.null)), asked.by_torque, asked.progress)
 
     beside, rounds_beside = asked.restarts(wander, plain.use_encoder, restart)
     too_dear = torque_cost(beside) + wander.complexity_penalty > cost_of_many
@@ -282,10 +276,8 @@ def depends_on_more(problem: EquationErrorProblem, h: Hypothesis, at_most: float
         return False
     columns = problem.generic_bases[name].shape[1]
     beside = fit(problem, h.with_generic_basis(name, columns))
-    return (
-        torque_left(beside) + problem.correlation * COST_OF_BASIS_COLUMN * columns / problem.size
-        < at_most + MISFIT_DOUBTED - 1.0
-    )
+    cost = torque_left(beside) + problem.correlation * COST_OF_BASIS_COLUMN * columns / problem.size
+    return cost < at_most + MISFIT_DOUBTED - 1.0
 
 
 def torque_cost(f: Fit) -> float:

@@ -32,10 +32,7 @@ def in_another_order(found: Search, without: frozenset[str], progress: Callable[
     if best.parted or (len(alike) < 2 and "speed" not in strained(best)):
         return found
     progress("trying other friction curves together with the other effects")
-    bare = best.hypothesis
-    for name in alike:
-        bare = bare.without(name)
-    start = fit(problem, bare)
+    start = fit(problem, best.hypothesis.without(*alike))
     others = without | {id for id in catalogue() if not _by_speed(id)}
     for effect in sorted(catalogue().keys() - others):
         for h in entrants(problem, start, frozenset(catalogue().keys() - {effect}))[:1]:

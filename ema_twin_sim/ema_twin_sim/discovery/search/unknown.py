@@ -45,10 +45,7 @@ Held = frozenset[tuple[object, ...]]
 TRIED = 2  # bases that are fitted in a round
 
 
-def beside_the_unknown(
-    found: Search,
-    progress: Callable[[str], None],
-) -> tuple[Search, tuple[str, ...]]:
+def beside_the_unknown(found: Search, progress: Callable[[str], None]) -> tuple[Search, tuple[str, ...]]:
     """Which effects of a search hold up next to an unknown cause, and what that cause depends on.
 
     An effect holds up if its own shape explains what any shape over its quantity would, and if nothing in its place
@@ -97,11 +94,10 @@ def _of_the_same_cause(found: Search) -> str | None:
 
 def _explains_most(found: Search, after: Fit, names: Collection[str]) -> bool:
     """Whether one of these effects explains most of the torque that all effects and bases of a later fit explain."""
+    if not names:
+        return False
     h = found.fit.hypothesis
-    bare = h
-    for name in h.added if names else ():
-        bare = bare.without(name)
-    most = MOSTLY * (fit(found.problem, bare).misfits[0] - after.misfits[0]) if names else 0.0
+    most = MOSTLY * (fit(found.problem, h.without(*h.added)).misfits[0] - after.misfits[0])
     without = (fit(found.problem, h.without(name)).misfits[0] for name in names)
     return most > 0.0 and any(misfit - found.fit.misfits[0] >= most for misfit in without)
 
@@ -128,10 +124,7 @@ def _add_dependences(
 
 def _without_dependences(found: Search) -> Search:
     """The search, its end fitted without generic bases."""
-    h = found.fit.hypothesis
-    for name in found.fit.hypothesis.generic_bases:
-        h = h.without_generic_basis(name)
-    return replace(found, fit=fit(found.problem, h))
+    return replace(found, fit=fit(found.problem, found.fit.hypothesis.without_generic_bases()))
 
 
 def doubted(found: Search) -> Search:
@@ -247,12 +240,8 @@ def _gearbox_explains_more(found: Search) -> bool:
     An output lags behind a gearbox that gives way as well.
     """
     for turn in found.rounds:
-        taken = {
-            trial.fit.hypothesis.added[n].effect
-            for trial in turn.tried
-            for n in turn.added
-            if n in trial.fit.hypothesis.added
-        }
+        added = [trial.fit.hypothesis.added for trial in turn.tried]
+        taken = {held[n].effect for held in added for n in turn.added if n in held}
         if not taken.isdisjoint(COMPLIANT_EFFECTS):  # it was large enough, and is judged by itself
             continue
         late, gearbox = -math.inf, -math.inf
