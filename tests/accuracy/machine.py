@@ -16,15 +16,8 @@ _MODELS = Path(__file__).resolve().parents[2] / "config" / "models"
 
 
 DRAWN = (
-    "motor_inertia",
-    "output_inertia",
-    "motor_viscous",
-    "output_viscous",
-    "motor_level",
-    "output_level",
-    "current_lag",
-    "filter",
-    "smoothing",
+    *("motor_inertia", "output_inertia", "motor_viscous", "output_viscous", "motor_level", "output_level"),
+    *("current_lag", "filter", "smoothing"),
 )
 """Constants that are off on any machine of a make."""
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from run_train import planetary_model, teeth_alone
+from tests.run_train import planetary_model, teeth_alone
 
 from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.twin import Twin

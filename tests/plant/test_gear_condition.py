@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from run_train import planetary_model, teeth_alone
+from tests.run_train import planetary_model, teeth_alone
 
 from ema_twin_sim.plant.planetary.layout import LANE, ROW
 from ema_twin_sim.plant.planetary.mesh_state import mesh_cycles, read_meshes

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from run_train import planetary_model, run, teeth_alone
+from tests.run_train import planetary_model, run, teeth_alone
 
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.plant.planetary.geometry import Gearing

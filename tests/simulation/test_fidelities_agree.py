@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from run_train import planetary_model
+from tests.run_train import planetary_model
 
 from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.assembly import assemble
