@@ -36,7 +36,7 @@ def scaled(recording, **factors):
 
 
 def driven(model, source, sample, count, period=125_000, first=None):
-    """(twin, rows) under a constant sample from a first one: rows is a dict of arrays (count + 1,), one a period [ns]."""
+    """(twin, rows) under a constant sample from a first one: rows is a dict of arrays (count + 1,), by periods [ns]."""
     twin = Twin(model, source)
     rows = [twin.start(first or sample)] + [twin.advance(period, sample) for _ in range(count)]
     return twin, {name: np.array([row[name] for row in rows]) for name in rows[0]}
