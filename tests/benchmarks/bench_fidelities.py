@@ -20,16 +20,15 @@ def wave(seconds):
     return SPEED * np.cos(2.0 * np.pi * 0.5 * time)
 
 
-def show(capsys, title, rows):
+def show(say, title, rows):
     """A table of (name, seconds taken, seconds simulated, step [s], seconds that C took or NaN)."""
-    with capsys.disabled():
-        print(f"\n  {title:<46}{'ns a step':>10}{'× real time':>13}{'× C':>8}")
-        for name, taken, simulated, step, c in rows:
-            ratio = f"{taken / c:.2f}" if c == c else ""
-            print(f"  {name:<46}{1e9 * taken * step / simulated:>10.1f}{simulated / taken:>13.1f}{ratio:>8}")
+    say(f"\n  {title:<46}{'ns a step':>10}{'× real time':>13}{'× C':>8}")
+    for name, taken, simulated, step, c in rows:
+        ratio = f"{taken / c:.2f}" if c == c else ""
+        say(f"  {name:<46}{1e9 * taken * step / simulated:>10.1f}{simulated / taken:>13.1f}{ratio:>8}")
 
 
-def test_speed_of_the_finest_fidelity(tmp_path, capsys):
+def test_speed_of_the_finest_fidelity(tmp_path, say):
     """Switching drive and planetary train; the same motion as C's until a switch falls a step apart."""
     function = c_loop("switching_planetary", tmp_path)
     run = Run(load_model("polito_hff"), wave(0.02), FINE_STEP)
@@ -37,14 +36,14 @@ def test_speed_of_the_finest_fidelity(tmp_path, capsys):
     ours, theirs = fastest(ROUNDS, run.by_kernel, lambda: run.by_c(function))
     rows = [("kernel", ours, theirs), ("C", theirs, theirs)]
     show(
-        capsys,
+        say,
         "switching and planetary, step 1 µs, one core",
         [(name, taken, run.seconds, FINE_STEP, c) for name, taken, c in rows],
     )
     assert ours <= 1.3 * theirs
 
 
-def test_speed_of_two_inertias(tmp_path, capsys):
+def test_speed_of_two_inertias(tmp_path, say):
     """The averaged drive, with a shaft that gives way and with one that has play too, and what others take."""
     function = c_loop("two_inertia", tmp_path)
     stock = load_model("polito_bench")
@@ -63,7 +62,7 @@ def test_speed_of_two_inertias(tmp_path, capsys):
     assert mujoco() == pytest.approx(lsoda(), rel=0.05), "not the same equations"
     by_mujoco, with_lsoda = fastest(5, mujoco, lsoda)
     show(
-        capsys,
+        say,
         "averaged and two inertias, step 25 µs, one core",
         [
             (name, taken, shaft.seconds, DEFAULT_STEP, c)

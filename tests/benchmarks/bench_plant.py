@@ -16,7 +16,7 @@ MOST_STOCK, MOST_CROWDED = 1.5, 8.0  # times C
 TRIES, PAUSE = 8, 4.0  # s
 
 
-def test_speed_of_the_plant(stock, tmp_path, capsys):
+def test_speed_of_the_plant(stock, tmp_path, say):
     in_c = c_loop("stock_plant", tmp_path)
     setpoint = virtual_bench(stock, parse_command("sine:0.02:1"), SECONDS, seed=None).signals["speed_setpoint"]
     crowded = stock
@@ -34,11 +34,10 @@ def test_speed_of_the_plant(stock, tmp_path, capsys):
         time.sleep(PAUSE)  # what shares the core's other half slows calls more than C's one long chain
     times = dict(zip(names, times, strict=True))
     steps = SECONDS / DEFAULT_STEP
-    with capsys.disabled():
-        print(f"\n  {'plant, step 25 µs, one core':<34}{'ns a step':>10}{'× real time':>13}{'× C':>8}")
-        for name, seconds in times.items():
-            ratio = seconds / times["C"]
-            print(f"  {name:<34}{1e9 * seconds / steps:>10.1f}{SECONDS / seconds:>13.0f}{ratio:>8.2f}")
+    say(f"\n  {'plant, step 25 µs, one core':<34}{'ns a step':>10}{'× real time':>13}{'× C':>8}")
+    for name, seconds in times.items():
+        ratio = seconds / times["C"]
+        say(f"  {name:<34}{1e9 * seconds / steps:>10.1f}{SECONDS / seconds:>13.0f}{ratio:>8.2f}")
     assert SECONDS / times["stock"] >= 1000.0
     assert times["stock"] <= MOST_STOCK * times["C"]
     assert times["four more effects"] <= MOST_CROWDED * times["C"]

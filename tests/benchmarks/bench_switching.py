@@ -101,7 +101,7 @@ def by_c(function, motor, steps):
 
 
 @pytest.mark.parametrize("motor", MOTORS)
-def test_speed_of_the_switching_step(motor, in_c, capsys):
+def test_speed_of_the_switching_step(motor, in_c, say):
     record = winding(**MOTORS[motor])
     steps = 20_000
     results = advance(record, steps, CYCLE, STEP, SETPOINT, SPEED)
@@ -109,6 +109,5 @@ def test_speed_of_the_switching_step(motor, in_c, capsys):
 
     calls = (lambda: advance(record, steps, CYCLE, STEP, SETPOINT, SPEED), by_c(in_c, record, steps))
     ours, theirs = (1e9 * seconds / steps for seconds in fastest(ROUNDS, *calls))
-    with capsys.disabled():
-        print(f"\n  switching step, {motor:<14}{ours:>8.1f} ns{theirs:>8.1f} ns in C{ours / theirs:>8.2f} x C")
+    say(f"\n  switching step, {motor:<14}{ours:>8.1f} ns{theirs:>8.1f} ns in C{ours / theirs:>8.2f} x C")
     assert ours <= 1.5 * theirs

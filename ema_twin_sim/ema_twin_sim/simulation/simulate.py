@@ -20,6 +20,7 @@ from .behind_motor import of_encoders_alone, twin_behind_motor
 from .dc_link_check import refuse_recording_beyond_link
 from .long_gaps import refuse_long_gaps
 from .operating_points import twin_at_points
+from .required import twin_of
 from .twin import Twin
 
 DRIVING = {"setpoint": "speed_setpoint", "current": "current", "command": "output_command"}
@@ -127,7 +128,7 @@ def simulate(
     for rows in _by_pieces(model, recording, chosen, step):
         signals.add(rows)
         progress(signals.size / len(recording))
-    return _of_twin(model, recording, signals.finish())
+    return twin_of(recording, model, signals.finish())
 
 
 def bench_of(recording: Recording, second: float = 1.0) -> np.ndarray:
@@ -141,9 +142,7 @@ def bench_of(recording: Recording, second: float = 1.0) -> np.ndarray:
 
 def _bench_rows(recording: Recording, rows: slice) -> np.ndarray:
     absent = np.full(rows.stop - rows.start, math.nan)
-    return np.column_stack(
-        [recording.signals[name][rows] if recording.has(name) else absent for name in BENCH],
-    )
+    return np.column_stack([recording.signals[name][rows] if recording.has(name) else absent for name in BENCH])
 
 
 def _by_pieces(model: Model, recording: Recording, chosen: str, step: float | None) -> Iterator[np.ndarray]:
@@ -216,16 +215,4 @@ def followed(twin: Twin, recording: Recording, bench: np.ndarray, rows: slice = 
 def seen(model: Model, recording: Recording, rows: np.ndarray) -> Recording:
     """A twin's rows (n, signals, ``layout.TWIN``) as a recording of its own."""
     signals = {name: rows[:, k] for k, name in enumerate(TWIN) if not np.isnan(rows[1:, k]).all()}
-    return _of_twin(model, recording, signals)
-
-
-def _of_twin(model: Model, recording: Recording, signals: dict[str, np.ndarray]) -> Recording:
-    return Recording(
-        name=recording.name,
-        stamps=recording.stamps,
-        signals=signals,
-        start=recording.start,
-        motor_angle_origin=recording.motor_angle_origin,
-        output_angle_origin=recording.output_angle_origin,
-        metadata={"model": model.name},
-    )
+    return twin_of(recording, model, signals)
