@@ -60,10 +60,7 @@ def told_of(recordings: Sequence[Recording], model: Model, *, fitted: bool = Fal
     """All that is said of recordings beside a model; ``fitted``: with what ``fit`` says of the model that was found."""
     found = discover(recordings, model)
     diagnosis = weigh(found)
-    texts = {
-        "discover": _printed(lambda: show_search(found)),
-        "diagnose": _printed(lambda: show(diagnosis)),
-    }
+    texts = {"discover": _printed(lambda: show_search(found)), "diagnose": _printed(lambda: show(diagnosis))}
     models = (model, found.model)
     comparisons = compare_all(recordings, models)
     alone = [compare(recordings, model), compare(recordings, found.model)]

@@ -89,10 +89,7 @@ def left_out_cases(seed: int, count: int) -> list[Case]:
 
 
 def sweep(
-    seed: int,
-    effects: Sequence[str],
-    solve: Callable[[Sequence[Case]], Iterator[Verdict]],
-    say: Callable[[str], None],
+    seed: int, effects: Sequence[str], solve: Callable[[Sequence[Case]], Iterator[Verdict]], say: Callable[[str], None]
 ) -> dict[str, dict[str, Any]]:
     """The smallest size of each effect that is named in ENOUGH of TRIES cases, by going up or down the ladder."""
     limits = {}

@@ -8,15 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from .layout import (
-    ON_MOTOR,
-    ON_MOTOR_LEVEL,
-    ON_MOTOR_TORQUE,
-    ON_OUTPUT,
-    ON_OUTPUT_LEVEL,
-    SMOOTH_LAWS,
-    STRIBECK_LAWS,
-)
+from .layout import ON_MOTOR, ON_MOTOR_LEVEL, ON_MOTOR_TORQUE, ON_OUTPUT, ON_OUTPUT_LEVEL, SMOOTH_LAWS, STRIBECK_LAWS
 
 MESH_ORDER = 15.75
 

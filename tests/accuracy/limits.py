@@ -65,11 +65,7 @@ class Limit:
 
 
 def limits(
-    seed: int,
-    effects: Sequence[str],
-    benches: int,
-    solve: Solvers,
-    say: Callable[[str], None],
+    seed: int, effects: Sequence[str], benches: int, solve: Solvers, say: Callable[[str], None]
 ) -> dict[str, dict[str, Any]]:
     """By effect, its limit (median of the benches) and the smallest multiple of it that is named in ENOUGH of them."""
     found = {}

@@ -102,7 +102,7 @@ def test_recordings_cost_the_same_with_two_workers(folder, say):
             f"\n  {counted} recordings, {workers} worker(s): {of['clock']:.0f} s, {counted / of['clock']:.1f}/s; "
             f"of a processor: workers {of['workers']:.1f} s, scheduler {of['scheduler']:.1f} s, "
             f"client {of['client']:.1f} s; first result after {of['first']:.1f} s; "
-            f"memory of a worker {of['memory'][0]:.0f} to {of['memory'][-1]:.0f} MiB",
+            f"memory of a worker {of['memory'][0]:.0f} to {of['memory'][-1]:.0f} MiB"
         )
     say(f"\n  scaling of the workers' own time: {one['workers'] / two['workers']:.0%}")
     assert one["workers"] / two["workers"] >= SCALING
@@ -130,7 +130,7 @@ def test_what_a_job_costs_that_does_nothing(work, tmp_path, say):
     say(
         f"\n  {number} jobs: first after {first:.2f} s, all after {clock:.1f} s; of a processor, a job: scheduler "
         f"{1e6 * scheduler / number:.0f} us, client {1e6 * client_time / number:.0f} us, worker "
-        f"{1e6 * worker / number:.0f} us",
+        f"{1e6 * worker / number:.0f} us"
     )
     if work is no_work:
         assert (scheduler + client_time + worker) / number <= OVERHEAD

@@ -140,14 +140,7 @@ def test_a_changing_current_takes_the_voltage_of_the_inductance(locked):
         ([("sun_runout", {"torque": 0.05})], 0.5 * math.pi, 0.25),
         ([("sun_runout", {"torque": 0.05})], -0.5 * math.pi, 0.15),
         # within the play the motor is held by its own friction alone
-        (
-            [
-                ("stribeck_friction", {"torque": 0.05, "speed": 2.0}),
-                ("backlash", {"width": 0.01}),
-            ],
-            0.0,
-            0.25,
-        ),
+        ([("stribeck_friction", {"torque": 0.05, "speed": 2.0}), ("backlash", {"width": 0.01})], 0.0, 0.25),
     ],
 )
 def test_a_shaft_breaks_away_at_its_static_level_and_what_effects_add(

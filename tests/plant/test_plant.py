@@ -122,8 +122,7 @@ def test_the_gap_lets_the_output_trail_by_its_half_width(stock):
 
 
 @pytest.mark.parametrize(
-    ("command", "first"),
-    [("ramp:0.05", 1.5), ("ramp:-0.05", 1.5), ("sine:0.05:0.25", 4.5), ("triangle:0.04:2", 2.9)],
+    ("command", "first"), [("ramp:0.05", 1.5), ("ramp:-0.05", 1.5), ("sine:0.05:0.25", 4.5), ("triangle:0.04:2", 2.9)]
 )
 def test_a_recording_cut_in_mid_motion_begins_with_the_output_driven_along(stock, command, first):
     model = stock.with_effect("backlash", {"width": 0.004})

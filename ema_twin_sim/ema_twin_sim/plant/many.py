@@ -229,15 +229,7 @@ def _two_inertia_step(lanes, h, load):
 
 
 @njit(
-    void(
-        PLANTS,
-        STATES,
-        int64,
-        STAMPS,
-        types.Array(float64, 2, "C", readonly=True),
-        float64[:, :, ::1],
-        float64,
-    ),
+    void(PLANTS, STATES, int64, STAMPS, types.Array(float64, 2, "C", readonly=True), float64[:, :, ::1], float64),
     cache=True,
     nogil=True,
     error_model="numpy",

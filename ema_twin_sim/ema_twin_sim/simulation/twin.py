@@ -151,10 +151,7 @@ class Twin:
         self._take(self._model.with_settings(settings))
 
     def start(
-        self,
-        sample: Mapping[str, float],
-        motor_angle_origin: float = math.nan,
-        output_angle_origin: float = math.nan,
+        self, sample: Mapping[str, float], motor_angle_origin: float = math.nan, output_angle_origin: float = math.nan
     ) -> dict[str, float]:
         """Start from a run's first sample and return the twin's signals there.
 

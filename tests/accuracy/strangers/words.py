@@ -58,11 +58,7 @@ NAMES: dict[str, dict[str, Sequence[str]]] = {
 """Names of each signal by language."""
 
 UNITS: dict[str, dict[str, tuple[float, Sequence[str]]]] = {
-    "time": {
-        "s": (1.0, ("s", "sec", "Sek")),
-        "ms": (1e-3, ("ms", "msec")),
-        "us": (1e-6, ("us", "µs", "μs")),
-    },
+    "time": {"s": (1.0, ("s", "sec", "Sek")), "ms": (1e-3, ("ms", "msec")), "us": (1e-6, ("us", "µs", "μs"))},
     "position": {
         "rad": (1.0, ("rad",)),
         "deg": (math.pi / 180.0, ("deg", "°", "Grad")),
