@@ -42,7 +42,7 @@ def other_machine_cases(seed: int, count: int) -> list[Case]:
     ]
 
 
-def other_machine_case(name: str, kind: str, effects: Sequence[str], seed: Sequence[int], size: float = 1.0) -> Case:
+def other_machine_case(name: str, kind: str, effects: Sequence[str], seed: Sequence[int]) -> Case:
     """A case with these effects on a machine that is drawn from the seed, as its traces are."""
     random = np.random.default_rng(seed)
     nominal = _drawn(random)
@@ -55,7 +55,7 @@ def other_machine_case(name: str, kind: str, effects: Sequence[str], seed: Seque
         kind=kind,
         seed=(*seed, 1),
         machine=machine,
-        causes=tuple(drawn_causes(effects, machine, random, size)),
+        causes=tuple(drawn_causes(effects, machine, random)),
         train_drives=tuple(_times(drive, slower) for drive in train),
         holdout_drives=tuple(_times(drive, slower) for drive in holdout),
         seconds=float(random.choice([10.0, 15.0, 20.0])),
