@@ -36,7 +36,7 @@ TO = {
 
 @cache
 def run(load: float) -> dict[str, float]:
-    """Energies [J] of a settled second of polito_hff turning against a load [N m]; tests/plant/test_energy.py adds up."""
+    """Energies [J] of a settled second of polito_hff turning against a load [N m]; they balance (test_energy.py)."""
     model = load_model("polito_hff").with_effect("constant_load", {"torque": load})
     twin = Twin(model, "setpoint", accounting=True)
     twin.start({"speed": SPEED, "speed_setpoint": SPEED, "current": 0.3})

@@ -10,7 +10,7 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -275,18 +275,14 @@ def _look_alikes(random: np.random.Generator) -> _Extreme:
     return LOOK_ALIKE[random.integers(len(LOOK_ALIKE))], {}
 
 
-def _partial(random: np.random.Generator) -> _Extreme:
-    return drawn_effects(1, random), {"unkind": Unkind(signals=COUNTERS_AND_CURRENT)}
+def _drawn_with(count: int, more: dict[str, Any], random: np.random.Generator) -> _Extreme:
+    return drawn_effects(count, random), more
 
 
 def _noisy_controller(random: np.random.Generator) -> _Extreme:
     noise = float(random.choice([0.004, 0.02]))
     effects = drawn_effects(int(random.integers(1, 3)), random) if random.random() < 0.7 else []
     return effects, {"unkind": Unkind(controller_noise=noise)}
-
-
-def _short(random: np.random.Generator) -> _Extreme:
-    return drawn_effects(2, random), {"seconds": 10.0}
 
 
 def _ringing(random: np.random.Generator) -> _Extreme:
@@ -300,9 +296,9 @@ def _wandering(random: np.random.Generator) -> _Extreme:
     return effects, {"unkind": Unkind(wander=float(random.uniform(0.05, 0.1)))}
 
 
-def _bad_trace(random: np.random.Generator) -> _Extreme:
-    bad = Unkind(spikes=3e-4, uneven=0.2, dropped=0.01, interpolation=1e-5, counter_jump=True)
-    return drawn_effects(1, random), {"unkind": bad}
-
-
-_EXTREMES = (_look_alikes, _partial, _noisy_controller, _short, _ringing, _wandering, _bad_trace, _look_alikes)
+_BAD_TRACE = Unkind(spikes=3e-4, uneven=0.2, dropped=0.01, interpolation=1e-5, counter_jump=True)
+_EXTREMES = (
+    *(_look_alikes, partial(_drawn_with, 1, {"unkind": Unkind(signals=COUNTERS_AND_CURRENT)}), _noisy_controller),
+    *(partial(_drawn_with, 2, {"seconds": 10.0}), _ringing, _wandering),
+    *(partial(_drawn_with, 1, {"unkind": _BAD_TRACE}), _look_alikes),
+)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,12 +14,12 @@ from ema_twin_sim.effects import catalogue
 from .cases import LOOK_ALIKE, NOT_SMALL, Case, drawn_case, drawn_cases, in_company
 from .commands import Drive
 from .hide import CATALOGUE
-from .judge import Verdict
 from .machine import stock_machine
 from .other_bench import Cause
 from .other_machines import other_machine_case, other_machine_cases
 from .sizes import SIZE_OF, drawn_causes, middling_cause
 from .unkind import COUNTERS_AND_CURRENT, Unkind
+from .work import Solvers
 
 SIZES = (0.025, 0.05, 0.1, 0.2, 0.4, 0.8)
 """Sizes of the detection limit's ladder, over the middle of an effect's usual range."""
@@ -88,9 +88,7 @@ def left_out_cases(seed: int, count: int) -> list[Case]:
     ]
 
 
-def sweep(
-    seed: int, effects: Sequence[str], solve: Callable[[Sequence[Case]], Iterator[Verdict]], say: Callable[[str], None]
-) -> dict[str, dict[str, Any]]:
+def sweep(seed: int, effects: Sequence[str], solve: Solvers, say: Callable[[str], None]) -> dict[str, dict[str, Any]]:
     """The smallest size of each effect that is named in ENOUGH of TRIES cases, by going up or down the ladder."""
     limits = {}
     for id in effects:
@@ -99,7 +97,7 @@ def sweep(
     return limits
 
 
-def _limit(id: str, seed: int, solve: Callable[[Sequence[Case]], Iterator[Verdict]]) -> dict[str, Any]:
+def _limit(id: str, seed: int, solve: Solvers) -> dict[str, Any]:
     tried: dict[float, int] = {}
 
     def named(step: int) -> bool:

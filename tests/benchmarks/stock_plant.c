@@ -1,11 +1,6 @@
 /* The stock model's equations in plain C: averaged drive under a speed setpoint, rigid transmission, viscous and dry
- * friction, smoothed speed. The yardstick of bench_plant.py, written from the equations as one would by hand. `records.h`
- * holds the package's own records (plant_t, state_t), which the benchmark writes out. */
-#include <math.h>
-
-#include "records.h"
-
-static double limited(double value, double limit) { return value > limit ? limit : value < -limit ? -limit : value; }
+ * friction, smoothed speed. The yardstick of bench_plant.py, written from the equations as one would by hand. */
+#include "by_hand.h"
 
 void advance(const plant_t *p, state_t *s, const double *setpoint, long rows, double interval, double step)
 {
@@ -39,8 +34,7 @@ void advance(const plant_t *p, state_t *s, const double *setpoint, long rows, do
             angle += 0.5 * h * speed;
             const double before = speed;
             const double free_speed = (speed + gain * p->torque_constant * current) * drag;
-            const double limit = speed == 0.0 ? holding : sliding;
-            speed = free_speed > limit ? free_speed - sliding : free_speed < -limit ? free_speed + sliding : 0.0;
+            speed = after_dry_friction(free_speed, speed, sliding, holding);
             angle += 0.5 * h * speed;
             smoothed += smoothing_gain * (0.5 * (before + speed) - smoothed);
         }

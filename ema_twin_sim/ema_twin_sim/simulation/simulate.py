@@ -32,8 +32,6 @@ POINTWISE = "motion"
 BY_MOTOR = "motor"
 """The input for a recording of two encoders only: the motor's measured motion drives the twin's output."""
 
-_TWIN_INPUT = {"command": "standalone"}  # a twin that follows a recorded command runs standalone
-
 
 def choose_input(recording: Recording, model: Model, wanted: str | None = None) -> str:
     """The input that drives the twin: ``wanted`` if given, otherwise ``setpoint`` if recorded, otherwise ``current``.
@@ -195,7 +193,7 @@ def started(model: Model, recording: Recording, bench: np.ndarray, chosen: str, 
             "or choose --input current"
         )
     refuse_recording_beyond_link(model, recording, chosen)
-    twin = Twin(model, _TWIN_INPUT.get(chosen, chosen), step=step, switchable=False)
+    twin = Twin(model, "standalone" if chosen == "command" else chosen, step=step, switchable=False)
     first = dict(zip(BENCH, bench[0], strict=True))
     twin.start(first, recording.motor_angle_origin, recording.output_angle_origin)
     return twin
