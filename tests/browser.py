@@ -14,13 +14,14 @@ import psutil
 from tests.command_line import ENDING
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+PATIENCE = 60.0  # s
 
 
 class Browser:
     """One page at a time; ``errors`` and ``warnings`` are of its console, ``requested`` is what it loaded."""
 
-    def __init__(self, folder, patience=60.0, webgl=False):
-        self.errors, self.warnings, self.requested, self._patience = [], [], [], patience
+    def __init__(self, folder, webgl=False):
+        self.errors, self.warnings, self.requested = [], [], []
         self._number, self._text = 0, b""
         commands, answers = os.pipe(), os.pipe()
         self._write, self._read = commands[1], answers[0]
@@ -68,7 +69,7 @@ class Browser:
                 return answer["result"]
 
     def _next(self):
-        end = time.monotonic() + self._patience
+        end = time.monotonic() + PATIENCE
         while b"\0" not in self._text:
             ready, _, _ = select.select([self._read], [], [], max(0.0, end - time.monotonic()))
             assert ready, "the browser does not answer"
@@ -109,7 +110,7 @@ class Browser:
         self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
 
     def wait(self, expression):
-        end = time.monotonic() + self._patience
+        end = time.monotonic() + PATIENCE
         while not self._asked(expression):
             assert time.monotonic() < end, f"never became true: {expression}"
             time.sleep(0.05)

@@ -7,7 +7,7 @@ from ema_twin_sim.measured.observation import Observation
 RATIO = 26.0  # about the stock machine's: the encoders' difference is told beside it
 
 
-def few_rows(torque, noise=0.01, encoder=(), encoder_noise=1e-5, name="by_hand", kernel=(1.0,)):
+def few_rows(torque, noise=0.01, encoder=(), name="by_hand", kernel=(1.0,)):
     """Rows of ``torque`` (m,) [N m], at speeds that go from fast backward to fast forward, and of the encoders'
     difference [rad] at the first of them. With a ``kernel`` of one value they are operating points.
     """
@@ -41,6 +41,6 @@ def few_rows(torque, noise=0.01, encoder=(), encoder_noise=1e-5, name="by_hand",
         after_impact=np.zeros(samples, bool),
         encoder_rows=every[:seen],
         encoder=np.asarray(encoder, float),
-        encoder_noise=np.full(seen, encoder_noise),
+        encoder_noise=np.full(seen, 1e-5),
         encoder_piece=np.zeros(seen, int),
     )

@@ -34,10 +34,10 @@ def true_value(model, path):
     return model.value(path)
 
 
-def check_recovered(result, true, share=0.05, sigmas=3.5):
+def check_recovered(result, true, share=0.05):
     for path, value, std in estimates(result):
         right = true_value(true, path)
-        assert abs(value - right) < sigmas * std, (path, value, std, right)
+        assert abs(value - right) < 3.5 * std, (path, value, std, right)
         assert abs(value - right) < share * max(abs(right), 0.1), (path, value, right)
 
 

@@ -1,4 +1,4 @@
-"""Recordings that tests make: of the virtual bench, and with other signals than it gave."""
+"""Recordings that tests make: of the virtual bench, and with other signals than it gave; a twin's of a steady input."""
 
 from dataclasses import replace
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.twin import Twin
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
 COMMANDS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")
@@ -46,3 +47,10 @@ def lined(recordings, amplitude, lines=300.0):
 def scaled(recording, **factors):
     """The recording with these signals times these factors."""
     return changed(recording, **{name: factor * recording.signals[name] for name, factor in factors.items()})
+
+
+def driven(model, source, sample, count, period=125_000, first=None):
+    """(twin, rows) under a constant sample from a first one: rows is a dict of arrays (count + 1,), by periods [ns]."""
+    twin = Twin(model, source)
+    rows = [twin.start(first or sample)] + [twin.advance(period, sample) for _ in range(count)]
+    return twin, {name: np.array([row[name] for row in rows]) for name in rows[0]}

@@ -4,19 +4,12 @@ from pathlib import Path
 
 from ema_twin_sim.model import Model, load_model
 from ema_twin_sim.simulation.twin import Twin
-
-_TEXT = """
-version: 1
-base: {base}
-transmission: {{kind: planetary}}
-"""
+from tests.fidelities import write_model
 
 
 def planetary_model(folder: Path, **values: float) -> Model:
     """The bench's model with an averaged drive and the train; ``values`` are those of its transmission."""
-    path = folder / "planetary.yaml"
-    path.write_text(_TEXT.format(base=Path(__file__).parents[1] / "config" / "models" / "polito_bench.yaml"))
-    model = load_model(path)
+    model = load_model(write_model(folder, "planetary", "polito_bench", transmission={"kind": "planetary"}))
     for name, value in values.items():
         model = model.with_value(f"transmission.{name}", value)
     return model

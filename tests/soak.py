@@ -29,6 +29,7 @@ from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests import ros_domain  # noqa: F401 - before ROS starts
 from tests.bench_processes import LISTED, MODULES, READERS, BenchProcesses
+from tests.sockets import family
 
 HISTORY = 150_000
 """Samples that the monitor keeps for a diagnosis: the largest of all buffers."""
@@ -113,21 +114,14 @@ def _memory(processes: dict[str, int]) -> dict[str, int]:
     """Bytes of each process and of those that it has started."""
     found = {}
     for name, number in processes.items():
-        for child, pid in enumerate((number, *_children(number))):
+        for child, process in enumerate(family(number)):
             try:
-                lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+                lines = Path(f"/proc/{process.pid}/status").read_text().splitlines()
             except OSError:
                 continue
             kilobytes = next((line.split()[1] for line in lines if line.startswith("RssAnon")), "0")
             found[name if not child else f"{name}: its {child}. child"] = int(kilobytes) << 10
     return found
-
-
-def _children(number: int) -> list[int]:
-    try:
-        return [int(word) for word in Path(f"/proc/{number}/task/{number}/children").read_text().split()]
-    except OSError:
-        return []
 
 
 def sizes_in_time(memory: list[tuple[float, dict[str, int]]], name: str, full: float) -> list[float]:

@@ -7,6 +7,7 @@ import shutil
 import stat
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -29,11 +30,17 @@ def checkout(tmp_path):
     return tmp_path
 
 
-def load_bootstrap(checkout):
-    """The checkout's bootstrap.py as a module, with its steps noted instead of run."""
+def bootstrap_of(checkout):
+    """The checkout's bootstrap.py as a module."""
     spec = importlib.util.spec_from_file_location("bootstrap", checkout / "bootstrap.py")
     bootstrap = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(bootstrap)
+    return bootstrap
+
+
+def load_bootstrap(checkout):
+    """The same, with its steps noted instead of run."""
+    bootstrap = bootstrap_of(checkout)
     bootstrap.steps = []
 
     def note(title, log, *command, variables=None):
@@ -48,6 +55,37 @@ def load_bootstrap(checkout):
 
     bootstrap.run = note
     return bootstrap
+
+
+def set_up_again(bootstrap):
+    """The steps of another set-up."""
+    bootstrap.steps.clear()
+    bootstrap.setup()
+    return bootstrap.steps
+
+
+@contextmanager
+def after_step(bootstrap, step, act):
+    """Within, something happens as soon as a step has been run."""
+    note = bootstrap.run
+
+    def run(title, log, *command, **settings):
+        note(title, log, *command, **settings)
+        if log == f"{step}.log":
+            act()
+
+    bootstrap.run = run
+    yield
+    bootstrap.run = note
+
+
+def append(path, text):
+    with path.open("a") as file:
+        file.write(text)
+
+
+def interrupt():
+    raise KeyboardInterrupt
 
 
 @pytest.fixture
@@ -66,45 +104,25 @@ def test_first_setup_does_everything_and_a_second_nothing(checkout):
     bootstrap = load_bootstrap(checkout)
     bootstrap.setup()
     assert bootstrap.steps == ["venv", "libraries", "rerun", ALL]
-    bootstrap.steps.clear()
-    bootstrap.setup()
-    assert bootstrap.steps == []
+    assert set_up_again(bootstrap) == []
 
 
 def test_a_lock_edited_while_it_is_installed_does_not_count_as_installed(checkout):
     bootstrap = load_bootstrap(checkout)
-    note = bootstrap.run
-
-    def edit(title, log, *command, **settings):
-        note(title, log, *command, **settings)
-        if log == "libraries.log":
-            bootstrap.LOCK.write_text(bootstrap.LOCK.read_text() + "# edited\n")
-
-    bootstrap.run = edit
-    with pytest.raises(bootstrap.SetupError, match=r"requirements\.lock changed while"):
+    with (
+        after_step(bootstrap, "libraries", lambda: append(bootstrap.LOCK, "# edited\n")),
+        pytest.raises(bootstrap.SetupError, match=r"requirements\.lock changed while"),
+    ):
         bootstrap.setup()
-    bootstrap.run = note
-    bootstrap.steps.clear()
-    bootstrap.setup()
-    assert bootstrap.steps == ["venv", "libraries", "rerun", ALL]
+    assert set_up_again(bootstrap) == ["venv", "libraries", "rerun", ALL]
 
 
 def test_a_message_edited_while_it_is_built_is_built_again(checkout):
     bootstrap = load_bootstrap(checkout)
-    note = bootstrap.run
     message = checkout / "ema_twin_msgs/msg/Signals.msg"
-
-    def edit(title, log, *command, **settings):
-        note(title, log, *command, **settings)
-        if log == "colcon.log":
-            message.write_text(message.read_text() + "# edited\n")
-
-    bootstrap.run = edit
-    bootstrap.setup()
-    bootstrap.run = note
-    bootstrap.steps.clear()
-    bootstrap.setup()
-    assert bootstrap.steps == [("colcon", "ema_twin_msgs")]
+    with after_step(bootstrap, "colcon", lambda: append(message, "# edited\n")):
+        bootstrap.setup()
+    assert set_up_again(bootstrap) == [("colcon", "ema_twin_msgs")]
 
 
 @pytest.mark.parametrize(
@@ -121,16 +139,14 @@ def test_a_message_edited_while_it_is_built_is_built_again(checkout):
 )
 def test_only_what_changed_is_done(done, changed, steps):
     path = done.ROOT / changed
-    path.parent.mkdir(exist_ok=True)
-    with path.open("a") as file:
-        file.write("\n")
+    append(path, "\n")
     done.setup()
     assert done.steps == steps
 
 
 def test_an_edited_model_needs_no_setup(done):
     for model in (done.ROOT / "config").rglob("*.yaml"):
-        model.write_text(model.read_text() + "\n# edited\n")
+        append(model, "\n# edited\n")
     done.setup()
     assert done.steps == []
 
@@ -140,38 +156,19 @@ def test_an_edited_model_needs_no_setup(done):
 )
 def test_interrupted_setup_goes_on_at_the_step_that_did_not_end(checkout, interrupted, remaining):
     bootstrap = load_bootstrap(checkout)
-    note = bootstrap.run
-
-    def interrupt(title, log, *command, **settings):
-        note(title, log, *command, **settings)
-        if log == f"{interrupted}.log":
-            raise KeyboardInterrupt
-
-    bootstrap.run = interrupt
-    with pytest.raises(KeyboardInterrupt):
+    with after_step(bootstrap, interrupted, interrupt), pytest.raises(KeyboardInterrupt):
         bootstrap.setup()
-    bootstrap.steps.clear()
-    bootstrap.run = note
-    bootstrap.setup()
-    assert bootstrap.steps == remaining
+    assert set_up_again(bootstrap) == remaining
 
 
 def test_interrupted_rebuild_is_not_taken_for_done_when_the_change_is_undone(done):
     message = done.ROOT / "ema_twin_msgs/msg/Signals.msg"
     original = message.read_text()
     message.write_text(original + "float64 another  # [1]\n")
-    note = done.run
-
-    def interrupt(title, log, *command, **settings):
-        raise KeyboardInterrupt
-
-    done.run = interrupt
-    with pytest.raises(KeyboardInterrupt):
+    with after_step(done, "colcon", interrupt), pytest.raises(KeyboardInterrupt):
         done.setup()
     message.write_text(original)
-    done.run = note
-    done.setup()
-    assert done.steps == [("colcon", "ema_twin_msgs")]
+    assert set_up_again(done) == [("colcon", "ema_twin_msgs")]
 
 
 def run_bootstrap(checkout, tools):
@@ -217,15 +214,11 @@ def test_unsupported_python_is_refused_with_a_remedy(checkout, monkeypatch):
 
 
 def test_failed_step_names_its_log(checkout, capsys):
-    bootstrap = load_bootstrap(checkout)
-    spec = importlib.util.spec_from_file_location("fresh", checkout / "bootstrap.py")
-    fresh = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(fresh)
+    fresh = bootstrap_of(checkout)
     with pytest.raises(fresh.SetupError, match=r"trying: failed with status 3; .*trying\.log"):
         fresh.run("trying", "trying.log", sys.executable, "-c", "print('why it failed'); raise SystemExit(3)")
     assert "why it failed" in capsys.readouterr().err
     assert "why it failed" in (checkout / ".venv/log/trying.log").read_text()
-    assert bootstrap.steps == []
 
 
 def test_pip_installs_the_libraries_where_uv_fails(checkout, capsys):

@@ -13,16 +13,17 @@ from tests.command_line import ENDING
 LAVAPIPE = next(Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"), None)
 REASON = "lavapipe, which draws rerun's views without a graphics card, is missing: sudo apt install mesa-vulkan-drivers"
 SIZE = (1280, 800)  # pixels
+PATIENCE = 60.0  # s
 
 
 class Viewer:
     """One viewer with the files that it opened."""
 
-    def __init__(self, *files, patience=60.0):
+    def __init__(self, *files):
         import rerun_cli
         from rerun.experimental import ViewerClient
 
-        self._home, self._patience = tempfile.mkdtemp(), patience
+        self._home = tempfile.mkdtemp()
         with socket.socket() as taken:
             taken.bind(("127.0.0.1", 0))
             port = taken.getsockname()[1]
@@ -49,7 +50,7 @@ class Viewer:
 
     def _wait(self, call):
         """What a call gives, once it neither fails nor gives nothing."""
-        end = time.monotonic() + self._patience
+        end = time.monotonic() + PATIENCE
         while True:
             try:
                 if found := call():
@@ -85,7 +86,7 @@ class Viewer:
 
     def picture(self, path):
         """Save what the window shows, when it shows the same twice."""
-        end, before = time.monotonic() + self._patience, b""
+        end, before = time.monotonic() + PATIENCE, b""
         while True:
             time.sleep(1.0)
             now = self._client.take_screenshot()

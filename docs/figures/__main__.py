@@ -6,16 +6,7 @@ former and put them into it.
 
 import argparse
 
-from . import (
-    drives,
-    efficiency,
-    energies,
-    friction_coefficient,
-    mesh_stiffness,
-    phase_currents,
-    rooms,
-    spectrum,
-)
+from . import drives, efficiency, energies, friction_coefficient, mesh_stiffness, phase_currents, rooms, spectrum
 from .page import DOCS, FOLDER, PAGE, quoted, renewed
 from .quick import quick_numbers
 from .speed import timings

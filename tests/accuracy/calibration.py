@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,10 +10,10 @@ from typing import Any
 from ema_twin_sim.discovery.diagnose import weigh
 from ema_twin_sim.discovery.discover import discover
 
-from .cases import ANGLES, Case, drawn_cases
+from .cases import Case, drawn_cases
 from .experiments import left_out_cases, null_cases
 from .folders import readable_train
-from .judge import instances_of
+from .judge import deviations
 from .other_machines import other_machine_cases
 
 EDGES = (0.0, 0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 1.0)
@@ -52,14 +51,10 @@ class Judged:
 def calibration_cases(seed: int, count: int) -> tuple[list[Case], list[tuple[str, ...]]]:
     """Cases of all kinds in equal parts but for fewer empty ones, and the effects that each may not name."""
     many, few = -(-count * 3 // 10), -(-count // 10)
-    of_the_bench = list(drawn_cases(seed, count - many - 2 * few))
-    others = other_machine_cases(seed, many)
     left_out = left_out_cases(seed, few)
-    cases = [*of_the_bench, *others, *left_out, *null_cases(seed, few)]
-    without: list[tuple[str, ...]] = [()] * len(cases)
-    for k, case in enumerate(left_out, len(of_the_bench) + len(others)):
-        without[k] = (case.kind,)
-    return cases, without
+    others = [*drawn_cases(seed, count - many - 2 * few), *other_machine_cases(seed, many)]
+    cases = [*others, *left_out, *null_cases(seed, few)]
+    return cases, [(case.kind,) if case in left_out else () for case in cases]
 
 
 def weighed(case: Case, without: Sequence[str] = ()) -> Judged:
@@ -91,21 +86,11 @@ def judged(
     if not case.restless:
         statements.append(Statement(case.name, "none", diagnosis["none"], not hidden))
         statements.append(Statement(case.name, "unknown", diagnosis["unknown"], "unknown" in hidden))
-    covered = {}
-    for id, truth in case.parameters.items():
-        if id not in discovery["added"]:
-            continue
-        for name, true in truth.items():
-            held = [entry[name] for entry in instances_of(case, discovery, id) if name in entry]
-            if (
-                not held
-                or any(entry.get("std") is None for entry in held)
-                or (name in ANGLES and case.unkind.power_cycled)
-            ):
-                continue
-            off = sum(entry["value"] for entry in held) - true
-            off = math.remainder(off, 2.0 * math.pi) if name in ANGLES else off
-            covered[f"{id}.{name}"] = abs(off) <= NINETY * sum(entry["std"] for entry in held)
+    covered = {
+        f"{id}.{name}": abs(off) <= NINETY * sum(spreads)
+        for (id, name), off, spreads in deviations(case, discovery)
+        if spreads and None not in spreads
+    }
     return Judged(case.name, tuple(statements), covered)
 
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from .other_bench import Cause, OtherBench
 from .sizes import OF_THE_STOCK_MODEL, drawn_causes
 from .unkind import COUNTERS_AND_CURRENT, Unkind
 
+Drawn = TypeVar("Drawn")
 KINDS = ("plain", "pairs", "triples", "none", "unknown", "small", "extreme")
 
 _TURNS = (
@@ -35,26 +36,24 @@ _TURNS = (
 )
 """The kinds in the order that they are drawn in: of sixty cases twenty are plain."""
 
+_TOGETHER = {"pairs": 2, "triples": 3}
 _LOADS = ("gravity_load", "spring_load")
 """What makes friction in proportion to load visible: alone it is Coulomb friction."""
 
-# Effects of which no recording of the set could tell the parts, or that would overrule each other.
-_NOT_TOGETHER: tuple[frozenset[str], ...] = tuple(
-    frozenset(group)
-    for group in (
-        ("viscous_friction", "thermal_friction"),
-        ("viscous_friction", "shear_thinning"),
-        ("viscous_friction", "quadratic_drag"),
-        ("coulomb_friction", "presliding_friction"),
-        ("quadratic_drag", "shear_thinning"),
-        ("torque_constant_error", "added_inertia"),
-        ("torque_constant_error", "phase_short"),
-        ("torque_constant_error", "coulomb_friction"),
-        ("torque_constant_error", "viscous_friction"),
-        ("torque_constant_error", "mesh_friction"),
-        ("spring_load", "gravity_load", "constant_load"),
-    )
+_NOT_TOGETHER = (
+    ("viscous_friction", "thermal_friction"),
+    ("viscous_friction", "shear_thinning"),
+    ("viscous_friction", "quadratic_drag"),
+    ("coulomb_friction", "presliding_friction"),
+    ("quadratic_drag", "shear_thinning"),
+    ("torque_constant_error", "added_inertia"),
+    ("torque_constant_error", "phase_short"),
+    ("torque_constant_error", "coulomb_friction"),
+    ("torque_constant_error", "viscous_friction"),
+    ("torque_constant_error", "mesh_friction"),
+    ("spring_load", "gravity_load", "constant_load"),
 )
+"""Effects of which no recording of the set could tell the parts, or that would overrule each other."""
 LOOK_ALIKE = (
     ("constant_load", "asymmetric_friction"),
     ("shaft_compliance", "backlash"),
@@ -159,16 +158,8 @@ class Case:
     @cached_property
     def recordings(self) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
         """(train, holdout), made in one day at the bench."""
-        bench = OtherBench(
-            self.machine,
-            self.causes,
-            self.unkind,
-            seed=self.seed,
-            motor_origin=self.motor_origin,
-            output_origin=self.output_origin,
-            moved=self.moved,
-            held=self.held,
-        )
+        origins = self.motor_origin, self.output_origin
+        bench = OtherBench(self.machine, self.causes, self.unkind, self.seed, *origins, self.moved, self.held)
         train, holdout = (
             tuple(recording_in(bench.record(drive, self.seconds), self.told_in) for drive in drives)
             for drives in (self.train_drives, self.holdout_drives)
@@ -228,31 +219,38 @@ def drawn_case(
 def drawn_cases(seed: int, count: int = 60, kinds: Sequence[str] = KINDS) -> tuple[Case, ...]:
     """Cases of these kinds in turn; the same seed gives the same cases. ``plain`` goes through the whole catalogue."""
     random = np.random.default_rng((seed, 77))
-    plain = itertools.cycle(random.permutation(CATALOGUE).tolist())
-    small = itertools.cycle([id for id in random.permutation(CATALOGUE).tolist() if id not in NOT_SMALL])
-    unknown = itertools.cycle(random.permutation(list(UNKNOWN)).tolist())
-    extreme = itertools.cycle(random.permutation(len(_EXTREMES)).tolist())
+    plain = in_turn(CATALOGUE, random)
+    small = (id for id in in_turn(CATALOGUE, random) if id not in NOT_SMALL)
+    unknown = in_turn(UNKNOWN, random)
+    extreme = in_turn(range(len(_EXTREMES)), random)
     turns = itertools.cycle([kind for kind in _TURNS if kind in kinds])
     cases = []
-    for number in range(count):
-        kind = next(turns)
-        effects: Sequence[str] = ()
+    for number, kind in enumerate(itertools.islice(turns, count)):
         more: dict[str, Any] = {}
-        if kind == "plain":
-            effects = in_company([next(plain)], random)
-        elif kind in ("pairs", "triples"):
-            effects = drawn_effects(2 if kind == "pairs" else 3, random)
-        elif kind == "unknown":
-            effects = [next(unknown)]
-        elif kind == "small":
-            wanted = next(small)
-            loads = in_company([wanted], random)[1:]
+        if kind == "small":
+            wanted, *loads = in_company([next(small)], random)
             more = {"size": 0.2, "company": drawn_causes(loads, stock_machine(), random)}
-            effects = [wanted]
+            effects: Sequence[str] = [wanted]
         elif kind == "extreme":
             effects, more = _EXTREMES[next(extreme)](random)
+        else:
+            effects = effects_of(kind, plain, unknown, random)
         cases.append(drawn_case(f"{number:03d}_{kind}", kind, effects, (seed, number), **more))
     return tuple(cases)
+
+
+def in_turn(values: Iterable[Drawn], random: np.random.Generator) -> Iterator[Drawn]:
+    """These over and over, in an order that is drawn."""
+    return itertools.cycle(random.permutation([*values]).tolist())
+
+
+def effects_of(kind: str, plain: Iterator[str], unknown: Iterator[str], random: np.random.Generator) -> list[str]:
+    """What a case hides that is nothing but plain, a pair, a triple, unknown, or none."""
+    if kind == "plain":
+        return in_company([next(plain)], random)
+    if kind in _TOGETHER:
+        return drawn_effects(_TOGETHER[kind], random)
+    return [next(unknown)] if kind == "unknown" else []
 
 
 def in_company(effects: list[str], random: np.random.Generator) -> list[str]:
@@ -266,7 +264,7 @@ def drawn_effects(count: int, random: np.random.Generator) -> list[str]:
     """So many effects that go together."""
     while True:
         effects = in_company(random.choice(CATALOGUE, count, replace=False).tolist(), random)
-        if not any(len(group & set(effects)) > 1 for group in _NOT_TOGETHER):
+        if not any(len({*group} & {*effects}) > 1 for group in _NOT_TOGETHER):
             return effects
 
 
@@ -277,18 +275,14 @@ def _look_alikes(random: np.random.Generator) -> _Extreme:
     return LOOK_ALIKE[random.integers(len(LOOK_ALIKE))], {}
 
 
-def _partial(random: np.random.Generator) -> _Extreme:
-    return drawn_effects(1, random), {"unkind": Unkind(signals=COUNTERS_AND_CURRENT)}
+def _drawn_with(count: int, more: dict[str, Any], random: np.random.Generator) -> _Extreme:
+    return drawn_effects(count, random), more
 
 
 def _noisy_controller(random: np.random.Generator) -> _Extreme:
     noise = float(random.choice([0.004, 0.02]))
     effects = drawn_effects(int(random.integers(1, 3)), random) if random.random() < 0.7 else []
     return effects, {"unkind": Unkind(controller_noise=noise)}
-
-
-def _short(random: np.random.Generator) -> _Extreme:
-    return drawn_effects(2, random), {"seconds": 10.0}
 
 
 def _ringing(random: np.random.Generator) -> _Extreme:
@@ -302,9 +296,9 @@ def _wandering(random: np.random.Generator) -> _Extreme:
     return effects, {"unkind": Unkind(wander=float(random.uniform(0.05, 0.1)))}
 
 
-def _bad_trace(random: np.random.Generator) -> _Extreme:
-    bad = Unkind(spikes=3e-4, uneven=0.2, dropped=0.01, interpolation=1e-5, counter_jump=True)
-    return drawn_effects(1, random), {"unkind": bad}
-
-
-_EXTREMES = (_look_alikes, _partial, _noisy_controller, _short, _ringing, _wandering, _bad_trace, _look_alikes)
+_BAD_TRACE = Unkind(spikes=3e-4, uneven=0.2, dropped=0.01, interpolation=1e-5, counter_jump=True)
+_EXTREMES = (
+    *(_look_alikes, partial(_drawn_with, 1, {"unkind": Unkind(signals=COUNTERS_AND_CURRENT)}), _noisy_controller),
+    *(partial(_drawn_with, 2, {"seconds": 10.0}), _ringing, _wandering),
+    *(partial(_drawn_with, 1, {"unkind": _BAD_TRACE}), _look_alikes),
+)

@@ -12,7 +12,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.commands.diagnose import show
@@ -60,10 +60,7 @@ def told_of(recordings: Sequence[Recording], model: Model, *, fitted: bool = Fal
     """All that is said of recordings beside a model; ``fitted``: with what ``fit`` says of the model that was found."""
     found = discover(recordings, model)
     diagnosis = weigh(found)
-    texts = {
-        "discover": _printed(lambda: show_search(found)),
-        "diagnose": _printed(lambda: show(diagnosis)),
-    }
+    texts = {"discover": _printed(lambda: show_search(found)), "diagnose": _printed(lambda: show(diagnosis))}
     models = (model, found.model)
     comparisons = compare_all(recordings, models)
     alone = [compare(recordings, model), compare(recordings, found.model)]
@@ -199,13 +196,25 @@ def _credits(told: Told) -> Iterator[str]:
         yield f"as given, discover tells {unseen['as_given']['rmse']}, compare {alone['rmse']}"
 
 
-def judged(case: Case, without: Sequence[str] = ()) -> tuple[str, tuple[str, ...], list[str]]:
-    """(name, what was found, contradictions) of a case; every fourth is fitted too."""
+class Checked(NamedTuple):
+    """A case, what was found, and what contradicts."""
+
+    case: str
+    said: list[str]
+    contradictions: list[str]
+
+    def line(self) -> str:
+        """One line for the screen."""
+        return f"{self.case:16s} {','.join(self.said) or '-'}: {'; '.join(self.contradictions) or 'told alike'}"
+
+
+def checked(case: Case, _: Sequence[str] = ()) -> Checked:
+    """A case, checked; every fourth is fitted too."""
     try:
         told = told_of(readable_train(case), case.start_model, fitted=int(case.name[:3]) % 4 == 0)
     except Exception as error:  # whatever it is, the case is lost and the others go on
-        return case.name, (), [f"{type(error).__name__}: {error}"]
-    return case.name, (told.findings.verdict, *told.findings.added), contradictions(told)
+        return Checked(case.name, [], [f"{type(error).__name__}: {error}"])
+    return Checked(case.name, [told.findings.verdict, *told.findings.added], contradictions(told))
 
 
 def _printed(show: Any) -> str:

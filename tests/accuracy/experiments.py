@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,12 +14,12 @@ from ema_twin_sim.effects import catalogue
 from .cases import LOOK_ALIKE, NOT_SMALL, Case, drawn_case, drawn_cases, in_company
 from .commands import Drive
 from .hide import CATALOGUE
-from .judge import Verdict
 from .machine import stock_machine
 from .other_bench import Cause
 from .other_machines import other_machine_case, other_machine_cases
-from .sizes import drawn_causes, middling_cause, size_of
+from .sizes import SIZE_OF, drawn_causes, middling_cause
 from .unkind import COUNTERS_AND_CURRENT, Unkind
+from .work import Solvers
 
 SIZES = (0.025, 0.05, 0.1, 0.2, 0.4, 0.8)
 """Sizes of the detection limit's ladder, over the middle of an effect's usual range."""
@@ -27,7 +27,7 @@ TRIES = 10
 ENOUGH = 9
 """Named so often of TRIES, a size counts as detected."""
 
-SWEPT = tuple(id for id in CATALOGUE if size_of(id) is not None)
+SWEPT = tuple(id for id in CATALOGUE if id in SIZE_OF)
 """The effects that have a size."""
 
 UNKIND_NULLS = (
@@ -43,9 +43,6 @@ UNKIND_NULLS = (
 """Benches on which nothing is hidden: a quarter of them kind."""
 
 
-_BENCHES = (drawn_case, other_machine_case)
-
-
 def null_cases(seed: int, count: int) -> list[Case]:
     """Cases with nothing hidden, constants off, on benches that go through UNKIND_NULLS."""
     nulls = itertools.islice(itertools.cycle(UNKIND_NULLS), count)
@@ -59,11 +56,8 @@ ALONE = (1.0, 0.5, 0.3)
 def alone_cases(seed: int, count: int) -> list[Case]:
     """Cases of one recording each, some of them short: half on other machines, a quarter with nothing hidden."""
     quarter = count // 4
-    every = [
-        *other_machine_cases(seed, count - 2 * quarter),
-        *null_cases(seed, quarter),
-        *drawn_cases(seed, quarter),
-    ]
+    others = other_machine_cases(seed, count - 2 * quarter)
+    every = [*others, *null_cases(seed, quarter), *drawn_cases(seed, quarter)]
     return [
         replace(
             case,
@@ -78,8 +72,9 @@ def alone_cases(seed: int, count: int) -> list[Case]:
 def law_cases(seed: int, count: int) -> list[Case]:
     """Cases that hide one effect under each of its laws in turn, on the stock bench and on other machines."""
     laws = [(id, law) for id, e in catalogue().items() if e.law for law in e.options[e.law]]
+    both = itertools.product((drawn_case, other_machine_case), laws)
     cases = []
-    for k, (make, (id, law)) in enumerate(itertools.islice(itertools.cycle(itertools.product(_BENCHES, laws)), count)):
+    for k, (make, (id, law)) in enumerate(itertools.islice(itertools.cycle(both), count)):
         case = make(f"{k:03d}_{law}", law, [id], (seed, 6000, k))
         cases.append(replace(case, causes=tuple(replace(cause, options={"law": law}) for cause in case.causes)))
     return cases
@@ -93,44 +88,36 @@ def left_out_cases(seed: int, count: int) -> list[Case]:
     ]
 
 
-def sweep(
-    seed: int,
-    effects: Sequence[str],
-    solve: Callable[[Sequence[Case]], Iterator[Verdict]],
-    say: Callable[[str], None],
-) -> dict[str, dict[str, Any]]:
+def sweep(seed: int, effects: Sequence[str], solve: Solvers, say: Callable[[str], None]) -> dict[str, dict[str, Any]]:
     """The smallest size of each effect that is named in ENOUGH of TRIES cases, by going up or down the ladder."""
-    limits: dict[str, dict[str, Any]] = {}
+    limits = {}
     for id in effects:
-        tried: dict[float, int] = {}
-
-        def named(step: int, id: str = id, tried: dict[float, int] = tried) -> bool:
-            size = SIZES[step]
-            verdicts = list(solve([_sized(id, size, seed, k) for k in range(TRIES)]))
-            tried[size] = sum(verdict.found for verdict in verdicts)
-            return tried[size] >= ENOUGH
-
-        step = len(SIZES) // 2
-        if named(step):
-            while step > 0 and named(step - 1):
-                step -= 1
-        else:
-            step += 1
-            while step < len(SIZES) and not named(step):
-                step += 1
-        limits[id] = _limit(id, SIZES[step] if step < len(SIZES) else None, tried)
+        limits[id] = _limit(id, seed, solve)
         say(_limit_line(id, limits[id]))
     return limits
 
 
-def _limit(id: str, size: float | None, tried: dict[float, int]) -> dict[str, Any]:
-    named = size_of(id)
-    assert named is not None
-    parameter, usual = named
-    value = None
-    if size is not None:
-        cause = middling_cause(id, np.random.default_rng(0), size)
-        value = abs(cause.values[parameter] - usual.zero)
+def _limit(id: str, seed: int, solve: Solvers) -> dict[str, Any]:
+    tried: dict[float, int] = {}
+
+    def named(step: int) -> bool:
+        size = SIZES[step]
+        tried[size] = sum(verdict.found for verdict in solve([_sized(id, size, seed, k) for k in range(TRIES)]))
+        return tried[size] >= ENOUGH
+
+    step = len(SIZES) // 2
+    if named(step):
+        while step > 0 and named(step - 1):
+            step -= 1
+    else:
+        step += 1
+        while step < len(SIZES) and not named(step):
+            step += 1
+    parameter, usual = SIZE_OF[id]
+    size = value = None
+    if step < len(SIZES):
+        size = SIZES[step]
+        value = abs(middling_cause(id, np.random.default_rng(0), size).values[parameter] - usual.zero)
     return {"size": size, "parameter": parameter, "value": value, "named": dict(sorted(tried.items()))}
 
 
@@ -198,6 +185,5 @@ CONDITIONS: dict[str, dict[str, Any]] = {
 
 def _words(unkind: Unkind) -> str:
     """The switches that are on."""
-    kind = Unkind()
-    on = [name for name in vars(unkind) if getattr(unkind, name) != getattr(kind, name)]
+    on = [name for name, usual in vars(Unkind()).items() if getattr(unkind, name) != usual]
     return " ".join(on).replace("_", " ") or "kind bench"

@@ -25,8 +25,10 @@ def save(case: Case, folder: Path) -> Path:
     place = folder / case.name
     siemens = load_map("siemens")
     for part, recordings in (("train", case.train), ("holdout", case.holdout)):
-        for recording in _as_traced(case, recordings):
-            write_trace(recording, place / part / f"{recording.name}.CSV", siemens, force=True)
+        random = np.random.default_rng((*case.seed, 2))
+        for recording in recordings:
+            traced = with_jump(recording, random) if case.unkind.counter_jump else recording
+            write_trace(traced, place / part / f"{recording.name}.CSV", siemens, force=True)
     parameters = {id: values for id, values in case.parameters.items() if id not in _SUMMED}
     answer = {
         "hidden": list(case.hidden),
@@ -51,10 +53,3 @@ def readable_train(case: Case) -> tuple[Recording, ...]:
 def saved_and_read(case: Case, folder: Path) -> tuple[Recording, ...]:
     """The training recordings, written and read again: as a trace with a counter's jump must come."""
     return tuple(load(path) for path in sorted((save(case, folder) / "train").glob("*.CSV")))
-
-
-def _as_traced(case: Case, recordings: tuple[Recording, ...]) -> tuple[Recording, ...]:
-    if not case.unkind.counter_jump:
-        return recordings
-    random = np.random.default_rng((*case.seed, 2))
-    return tuple(with_jump(recording, random) for recording in recordings)

@@ -6,27 +6,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
-from .layout import (
-    ON_MOTOR,
-    ON_MOTOR_LEVEL,
-    ON_MOTOR_TORQUE,
-    ON_OUTPUT,
-    ON_OUTPUT_LEVEL,
-    SMOOTH_LAWS,
-    STRIBECK_LAWS,
-)
+from .layout import ON_MOTOR, ON_MOTOR_LEVEL, ON_MOTOR_TORQUE, ON_OUTPUT, ON_OUTPUT_LEVEL, SMOOTH_LAWS, STRIBECK_LAWS
 
 MESH_ORDER = 15.75
 
 
-def _adds(**fields: str) -> Callable[..., None]:
-    """Values that go to fields of the plant: field=parameter."""
+def _adds(law: str = "", laws: Sequence[str] = (), **fields: str) -> Callable[..., None]:
+    """Values that go to fields of the plant: field=parameter; and the number of the ``law`` among ``laws``."""
 
     def put(plant, harmonics, bursts, values, options, random, seconds):
         for name, parameter in fields.items():
             plant[name] = values[parameter]
+        if law:
+            plant[law] = laws.index(options.get("law", laws[0]))
 
     return put
 
@@ -40,23 +34,8 @@ def _swings(action: float, size: str, order: float | None = None, phase: str = "
     return put
 
 
-def _nothing(plant, harmonics, bursts, values, options, random, seconds):
-    """The stock friction: what is hidden is that the stock model lacks it."""
-
-
 def _inertia(plant, harmonics, bursts, values, options, random, seconds):
     plant["output_inertia"] += values["inertia"]
-
-
-def _stribeck(plant, harmonics, bursts, values, options, random, seconds):
-    plant["stribeck_level"] = values["torque"]
-    plant["stribeck_speed"] = values["speed"]
-    plant["stribeck_law"] = STRIBECK_LAWS.index(options.get("law", STRIBECK_LAWS[0]))
-
-
-def _smooth(plant, harmonics, bursts, values, options, random, seconds):
-    plant["smooth_speed"] = values["speed"]
-    plant["smooth_law"] = SMOOTH_LAWS.index(options.get("law", SMOOTH_LAWS[0]))
 
 
 def _presliding(plant, harmonics, bursts, values, options, random, seconds):
@@ -136,10 +115,11 @@ UNKNOWN: dict[str, Callable[..., None]] = {
 """Causes that are in no catalogue."""
 
 HIDE: dict[str, Callable[..., None]] = {
-    "viscous_friction": _nothing,
-    "coulomb_friction": _nothing,
-    "stribeck_friction": _stribeck,
-    "smooth_friction": _smooth,
+    # of the stock friction nothing: what is hidden is that the stock model lacks it
+    "viscous_friction": _adds(),
+    "coulomb_friction": _adds(),
+    "stribeck_friction": _adds("stribeck_law", STRIBECK_LAWS, stribeck_level="torque", stribeck_speed="speed"),
+    "smooth_friction": _adds("smooth_law", SMOOTH_LAWS, smooth_speed="speed"),
     "asymmetric_friction": _adds(asymmetry="fraction"),
     "presliding_friction": _presliding,
     "quadratic_drag": _adds(drag="coefficient"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -103,27 +103,33 @@ def _parameters(case: Case, answer: Mapping[str, Any]) -> tuple[dict[str, float]
     """(relative errors, truth within three standard errors) of the named effects, by effect.parameter."""
     errors: dict[str, float] = {}
     within: dict[str, bool] = {}
+    for (id, name), off, spreads in deviations(case, answer):
+        if name not in ANGLES:
+            errors[f"{id}.{name}"] = abs(off / case.parameters[id][name])
+        within[f"{id}.{name}"] = abs(off) <= 3.0 * sum(spread for spread in spreads if spread is not None)
+    return errors, within
+
+
+def deviations(case: Case, answer: Mapping[str, Any]) -> Iterator[tuple[tuple[str, str], float, list[float | None]]]:
+    """((effect, parameter), how far it is off, standard errors of its sides) of what is hidden and named.
+
+    The errors of two sides may add up. A parameter that is not reported is as wrong as can be.
+    """
     for id, truth in case.parameters.items():
         if id not in answer["added"]:
             continue
-        instances = instances_of(case, answer, id)
+        instances = _instances_of(case, answer, id)
         for name, true in truth.items():
             if name in ANGLES and case.unkind.power_cycled:
                 continue
             found = [entry[name] for entry in instances if name in entry]
-            # the errors of two sides may add up; a parameter that is not reported is as wrong as can be
-            value = sum(entry["value"] for entry in found) if found else math.inf
-            spread = sum(entry["std"] for entry in found if entry.get("std") is not None)
-            off = value - true
-            if name in ANGLES:
-                off = math.remainder(off, 2.0 * math.pi) if found else math.inf
-            else:
-                errors[f"{id}.{name}"] = abs(off / true)
-            within[f"{id}.{name}"] = abs(off) <= 3.0 * spread
-    return errors, within
+            off = sum(entry["value"] for entry in found) - true if found else math.inf
+            if name in ANGLES and found:
+                off = math.remainder(off, 2.0 * math.pi)
+            yield (id, name), off, [entry.get("std") for entry in found]
 
 
-def instances_of(case: Case, answer: Mapping[str, Any], id: str) -> list[Mapping[str, Any]]:
+def _instances_of(case: Case, answer: Mapping[str, Any], id: str) -> list[Mapping[str, Any]]:
     """The reported instances that hold an effect's truth: both sides of a friction, else the one most like it."""
     all_of_it = [entry for entry in answer["parameters"].values() if entry.get("effect") == id]
     if id in case.remove_from_stock_model:

@@ -42,39 +42,24 @@ PLANT = np.dtype(
             "load_stiffness",  # N m/rad
             "load_damping",  # N m s/rad
             # friction
-            "motor_viscous",
-            "output_viscous",
-            "motor_level",
-            "output_level",
+            *("motor_viscous", "output_viscous", "motor_level", "output_level"),
             "bristle_stiffness",  # N m/rad, of both sides together
             "bristle_damping",  # N m s/rad
             "elastic_share",  # share of the bristle's travel that springs back wholly; below 0: a plain LuGre bristle
-            "stribeck_level",
-            "stribeck_speed",
-            "stribeck_law",
+            *("stribeck_level", "stribeck_speed", "stribeck_law"),
             "smooth_speed",  # rad/s over which dry friction builds up; 0: it is there at once
             "smooth_law",
-            "asymmetry",
-            "mesh_coefficient",
+            *("asymmetry", "mesh_coefficient"),
             "drag",  # N m s2/rad2
-            "thinning",
-            "thinning_speed",
-            "warming",
-            "warming_time",
-            "bump_level",  # a friction resonance: more dry level around one speed
-            "bump_speed",
-            "bump_width",
-            "wander",  # friction's slow change: relative amplitude, two periods [s], two phases
-            "wander_period",
-            "wander_phase",
-            "wander_period_2",
-            "wander_phase_2",
+            *("thinning", "thinning_speed", "warming", "warming_time"),
+            *("bump_level", "bump_speed", "bump_width"),  # a friction resonance: more dry level around one speed
+            # friction's slow change: relative amplitude, two periods [s], two phases
+            *("wander", "wander_period", "wander_phase", "wander_period_2", "wander_phase_2"),
             # loads
             "constant_load",
             "spring",  # N m per rad of the slow shaft
             "pulse",  # N m, a damaged tooth
-            "pulse_order",
-            "pulse_position",
+            *("pulse_order", "pulse_position"),
             "pulse_width",  # rad of the tooth's own turn, the whole of it
             "pulse_is_level",
             # encoders
@@ -86,15 +71,9 @@ PLANT = np.dtype(
             "motor_origin",  # rad: what the counters show at the start
             "output_origin",
             # drive
-            "position_gain",
-            "speed_limit",
+            *("position_gain", "speed_limit"),
             "filter",  # s
-            "speed_gain",
-            "integral_time",
-            "integral_limit",
-            "dead_band",
-            "anti_windup",
-            "torque_limit",
+            *("speed_gain", "integral_time", "integral_limit", "dead_band", "anti_windup", "torque_limit"),
             "current_lag",
             "smoothing",  # s, of the shown speed
         )

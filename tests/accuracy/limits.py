@@ -35,7 +35,7 @@ from .cases import Case
 from .folders import readable_train
 from .other_bench import Cause
 from .other_machines import other_machine_case
-from .sizes import middling_cause, size_of
+from .sizes import SIZE_OF, middling_cause
 from .work import Solvers
 
 LIMITED = ("sun_runout", "cogging", "gravity_load", "stribeck_friction", "encoder_delay", "torque_ripple")
@@ -59,39 +59,33 @@ class Limit:
 
     def hidden_at(self, multiple: float) -> Case:
         """The bench with the effect hidden at a multiple of its limit."""
-        name, usual = _size_of(self.cause.id)
-        cause = replace(self.cause, values={**self.cause.values, name: usual + multiple * self.size})
+        name, usual = SIZE_OF[self.cause.id]
+        cause = replace(self.cause, values={**self.cause.values, name: usual.zero + multiple * self.size})
         return replace(self.case, name=f"{self.case.name} x{multiple:g}", causes=(cause,))
 
 
 def limits(
-    seed: int,
-    effects: Sequence[str],
-    benches: int,
-    solve: Solvers,
-    say: Callable[[str], None],
+    seed: int, effects: Sequence[str], benches: int, solve: Solvers, say: Callable[[str], None]
 ) -> dict[str, dict[str, Any]]:
     """By effect, its limit (median of the benches) and the smallest multiple of it that is named in ENOUGH of them."""
     found = {}
     for id in effects:
         cases = [limited_bench(id, seed, number) for number in range(benches)]
-        known = sorted(solve.each(limit_of, cases, [()] * benches), key=lambda limit: limit.case.name)
+        known = sorted(solve.each(limit_of, cases), key=lambda limit: limit.case.name)
         tried: dict[float, tuple[int, int]] = {}
-
-        def named(multiple: float, known: Sequence[Limit] = known, tried: dict[float, tuple[int, int]] = tried) -> bool:
-            verdicts = []
+        smallest = None
+        for multiple in MULTIPLES:
+            count = undecided = 0
             for verdict in solve([limit.hidden_at(multiple) for limit in known]):
                 say(f"     {verdict.line()}")  # as it comes: each takes seconds
-                verdicts.append(verdict)
-            undecided = sum(verdict.undecided for verdict in verdicts)
-            count = sum(verdict.found for verdict in verdicts) + undecided
+                undecided += verdict.undecided
+                count += verdict.found or verdict.undecided
             tried[multiple] = count, undecided
-            return count >= ENOUGH * benches
-
-        smallest = next((multiple for multiple in MULTIPLES if named(multiple)), None)
-        parameter, _ = _size_of(id)
+            if count >= ENOUGH * benches:
+                smallest = multiple
+                break
         found[id] = {
-            "parameter": parameter,
+            "parameter": SIZE_OF[id][0],
             "unit": catalogue()[id].parameters[0].unit,
             "limit": float(np.median([limit.size for limit in known])),
             "multiple": smallest,
@@ -113,12 +107,13 @@ def limit_of(case: Case, _: Sequence[str] = ()) -> Limit:
     recordings, model = to_own_units(readable_train(bare), bare.start_model)
     problem = EquationErrorProblem(observe_all(list(recordings), model))
     null = settle(fit(problem, null_hypothesis(model)))
-    factors = {p.name: 1.0 if p.periodic else case.told_in.factor(p.unit) for p in catalogue()[cause.id].parameters}
     assert model.units is not None
-    for p in catalogue()[cause.id].parameters:
-        factors[p.name] *= 1.0 if p.periodic else model.units.factor(p.unit)
-    name, zero = _size_of(cause.id)
-    values = {**cause.values, name: zero + SMALL * (cause.values[name] - zero)}
+    factors = {
+        p.name: 1.0 if p.periodic else case.told_in.factor(p.unit) * model.units.factor(p.unit)
+        for p in catalogue()[cause.id].parameters
+    }
+    name, usual = SIZE_OF[cause.id]
+    values = {**cause.values, name: usual.zero + SMALL * (cause.values[name] - usual.zero)}
     own = {parameter: value / factors[parameter] for parameter, value in values.items()}
     options = {**catalogue()[cause.id].default_options(), **cause.options}
     with_effect = fit(null.problem, null.hypothesis.with_effect(cause.id, options, own), 0)
@@ -145,13 +140,6 @@ def limited_bench(id: str, seed: int, number: int) -> Case:
     random = np.random.default_rng((seed, 6001, LIMITED.index(id), number))
     bench = other_machine_case(f"{id}_{number}", id, (), (seed, 6000, number))
     return replace(bench, causes=(middling_cause(id, random, 1.0),))
-
-
-def _size_of(id: str) -> tuple[str, float]:
-    """(name, value at which the effect does nothing) of an effect's size."""
-    named = size_of(id)
-    assert named is not None, f"{id} has no size"
-    return named[0], named[1].zero
 
 
 def _line(id: str, of: dict[str, Any], benches: int) -> str:

@@ -16,15 +16,8 @@ _MODELS = Path(__file__).resolve().parents[2] / "config" / "models"
 
 
 DRAWN = (
-    "motor_inertia",
-    "output_inertia",
-    "motor_viscous",
-    "output_viscous",
-    "motor_level",
-    "output_level",
-    "current_lag",
-    "filter",
-    "smoothing",
+    *("motor_inertia", "output_inertia", "motor_viscous", "output_viscous", "motor_level", "output_level"),
+    *("current_lag", "filter", "smoothing"),
 )
 """Constants that are off on any machine of a make."""
 
@@ -103,12 +96,7 @@ def stock_machine() -> Machine:
 
 
 def drawn_machine(random: np.random.Generator, off: float = 0.05) -> Machine:
-    """A machine whose constants are each off by up to ``off``.
-
-    The torque constant by a fifth of that: all torques and inertias off by one factor are the same as a torque
-    constant off by it, and no recording could tell.
-    """
-
+    """A machine of that make, on whose bench the gearbox is stiff."""
     return replace(
         near(stock_machine(), random, off),
         gear_frequency=random.uniform(350.0, 800.0),
@@ -119,7 +107,11 @@ def drawn_machine(random: np.random.Generator, off: float = 0.05) -> Machine:
 
 
 def near(machine: Machine, random: np.random.Generator, off: float) -> Machine:
-    """A machine whose constants are each off by up to ``off``, the torque constant by a fifth of that."""
+    """A machine whose constants are each off by up to ``off``.
+
+    The torque constant by a fifth of that: all torques and inertias off by one factor are the same as a torque
+    constant off by it, and no recording could tell.
+    """
     shares = {name: off for name in DRAWN} | {"torque_constant": 0.2 * off}
     drawn = {name: getattr(machine, name) * (1.0 + random.uniform(-share, share)) for name, share in shares.items()}
     return replace(machine, **drawn)

@@ -1,6 +1,6 @@
 """Another bench than the twin's own: it shares no code with the twin's plant and effects, and hides what it is told to.
 
-``OtherBench(machine, hidden, unkind, random).record(drive, seconds)`` gives the recording that its drive would trace.
+``OtherBench(machine, hidden, unkind, seed).record(drive, seconds)`` gives the recording that its drive would trace.
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ class Cause:
     options: Mapping[str, str] = field(default_factory=dict)
 
 
+@dataclass
 class OtherBench:
     """A bench with hidden causes. Recordings are made one after another, as a day at the bench goes.
 
@@ -42,26 +43,17 @@ class OtherBench:
     ``moved`` each recording starts somewhere else, and the counters go with the shafts.
     """
 
-    def __init__(
-        self,
-        machine: Machine,
-        hidden: Sequence[Cause] = (),
-        unkind: Unkind = Unkind(),  # noqa: B008 frozen
-        *,
-        seed: int | Sequence[int] = 0,
-        motor_origin: float = -math.pi,
-        output_origin: float = 1.276,
-        moved: bool = False,
-        held: float = 0.0,
-    ) -> None:
-        self.machine = machine
-        self.hidden = tuple(hidden)
-        self.unkind = unkind
-        self.random = np.random.default_rng(seed)
-        self.motor_origin = motor_origin
-        self.output_origin = output_origin
-        self.moved = moved
-        self.held = held
+    machine: Machine
+    hidden: Sequence[Cause] = ()
+    unkind: Unkind = field(default_factory=Unkind)
+    seed: int | Sequence[int] = 0
+    motor_origin: float = -math.pi
+    output_origin: float = 1.276
+    moved: bool = False
+    held: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.random = np.random.default_rng(self.seed)
         self._clock = 0.0  # s since the day began
         self._wander_phases = self.random.uniform(0.0, 2.0 * math.pi, 2)
 
@@ -78,9 +70,8 @@ class OtherBench:
         samples = self._samples(seconds)
         cycle = self.machine.cycle
         ticks = samples[-1] // cycle + 1
-        noise = np.zeros(ticks)
-        if self.unkind.controller_noise:
-            noise = self.random.normal(0.0, self.unkind.controller_noise, ticks)
+        size = self.unkind.controller_noise
+        noise = self.random.normal(0.0, size, ticks) if size else np.zeros(ticks)
         trace = np.empty((len(samples), len(TRACE)))
         run(
             plants,
@@ -108,18 +99,16 @@ class OtherBench:
         """Steps (m,) at which the trace is taken."""
         samples = np.arange(round(seconds * 1e9 / STEP_NS / _ROWS), dtype=np.int64) * _ROWS
         if self.unkind.uneven:
-            samples[1:] += np.rint(
-                self.random.uniform(-0.5, 0.5, len(samples) - 1) * self.unkind.uneven * _ROWS
-            ).astype(np.int64)
+            off = self.random.uniform(-0.5, 0.5, len(samples) - 1) * self.unkind.uneven
+            samples[1:] += np.rint(off * _ROWS).astype(np.int64)
         return samples
 
     def _place_counters(self, plant: np.void) -> None:
         travel = self.random.uniform(-0.6, 0.6) if self.moved else 0.0
-        elsewhere = self.random.uniform(-math.pi, math.pi) if self.unkind.power_cycled else 0.0
         plant["output_origin"] = self.output_origin + travel
         plant["motor_origin"] = self.motor_origin + plant["ratio"] * travel
-        # after a power cycle the counter shows something else where the shaft stands; phases are then its own
-        plant["motor_origin"] += elsewhere
+        if self.unkind.power_cycled:  # the counter shows something else where the shaft stands; phases are then its own
+            plant["motor_origin"] += self.random.uniform(-math.pi, math.pi)
 
     def _furnish(self, plant: np.void) -> None:
         """The machine and its drive, with nothing hidden."""

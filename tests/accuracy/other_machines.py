@@ -18,7 +18,7 @@ import numpy as np
 
 from ema_twin_sim.model.own_units import OwnUnits
 
-from .cases import Case, drawn_effects, in_company
+from .cases import Case, effects_of, in_turn
 from .commands import Drive, drawn_drives
 from .hide import CATALOGUE, UNKNOWN
 from .machine import Machine, near, stock_machine
@@ -28,40 +28,34 @@ from .unkind import Unkind
 _TURNS = ("plain", "pairs", "plain", "none", "plain", "plain", "pairs", "plain", "unknown", "plain")
 """The kinds in the order that they are drawn in."""
 _RATIOS = (30.0, 51.0, 80.0, 100.0, 124.0, 160.0)
+_STOCK_RATIO = 124.0
+"""The gear ratio that the commands are for."""
 
 
 def other_machine_cases(seed: int, count: int) -> list[Case]:
     """Cases on machines of all sizes; the same seed gives the same cases."""
     random = np.random.default_rng((seed, 5000))
-    plain = itertools.cycle(random.permutation(CATALOGUE).tolist())
-    unknown = itertools.cycle(random.permutation(list(UNKNOWN)).tolist())
-    cases = []
-    for number, kind in enumerate(itertools.islice(itertools.cycle(_TURNS), count)):
-        effects: Sequence[str] = ()
-        if kind == "plain":
-            effects = in_company([next(plain)], random)
-        elif kind == "pairs":
-            effects = drawn_effects(2, random)
-        elif kind == "unknown":
-            effects = [next(unknown)]
-        cases.append(other_machine_case(f"{number:03d}_{kind}", kind, effects, (seed, 5001, number)))
-    return cases
+    plain, unknown = in_turn(CATALOGUE, random), in_turn(UNKNOWN, random)
+    return [
+        other_machine_case(f"{number:03d}_{kind}", kind, effects_of(kind, plain, unknown, random), (seed, 5001, number))
+        for number, kind in enumerate(itertools.islice(itertools.cycle(_TURNS), count))
+    ]
 
 
-def other_machine_case(name: str, kind: str, effects: Sequence[str], seed: Sequence[int], size: float = 1.0) -> Case:
+def other_machine_case(name: str, kind: str, effects: Sequence[str], seed: Sequence[int]) -> Case:
     """A case with these effects on a machine that is drawn from the seed, as its traces are."""
     random = np.random.default_rng(seed)
     nominal = _drawn(random)
     machine = near(nominal, random, 0.05)
     train, holdout = drawn_drives(random)
-    slower = stock_ratio() / nominal.gear_ratio
+    slower = _STOCK_RATIO / nominal.gear_ratio
     rings = {"gear_resonance": random.uniform(60.0, 150.0)}, {"load_resonance": random.uniform(60.0, 150.0)}
     return Case(
         name=name,
         kind=kind,
         seed=(*seed, 1),
         machine=machine,
-        causes=tuple(drawn_causes(effects, machine, random, size)),
+        causes=tuple(drawn_causes(effects, machine, random)),
         train_drives=tuple(_times(drive, slower) for drive in train),
         holdout_drives=tuple(_times(drive, slower) for drive in holdout),
         seconds=float(random.choice([10.0, 15.0, 20.0])),
@@ -79,11 +73,6 @@ def other_machine_case(name: str, kind: str, effects: Sequence[str], seed: Seque
         nominal=nominal,
         told_in=_units(random),
     )
-
-
-def stock_ratio() -> float:
-    """The gear ratio that the commands are for."""
-    return 124.0
 
 
 def _drawn(random: np.random.Generator) -> Machine:

@@ -15,28 +15,37 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
 from . import experiments
-from .calibration import calibration_cases, summed_up, table, weighed
+from .calibration import Judged, calibration_cases, summed_up, table, weighed
 from .cases import KINDS, Case, drawn_cases
-from .contradictions import judged
+from .contradictions import Checked, checked
 from .folders import save
 from .judge import Verdict
 from .known import REASONS, kept, known_cases
 from .limits import BENCHES, ENOUGH, LIMITED, limit_table, limits
 from .other_machines import other_machine_cases
-from .planned import planned_and_not, planned_cases
+from .planned import Pair, planned_and_not, planned_cases
 from .strangers.cases import Stranger, mistaken_cases, stranger_cases
 from .strangers.run import run_strangers
 from .strangers.textbook import Textbook, textbook_cases
 from .tables import by_kind, confusion, confusion_table, totals, totals_line
 from .work import WORKERS, Solvers
 
-Named = TypeVar("Named", Case, Stranger)
+Named = TypeVar("Named", Case, Stranger, Textbook)
+Answer = TypeVar("Answer", Verdict, Judged, Checked, Pair)
+_SETS: Mapping[str, Callable[[int, int], list[Case]]] = {
+    "null": experiments.null_cases,
+    "other_machines": other_machine_cases,
+    "alone": experiments.alone_cases,
+    "laws": experiments.law_cases,
+}
+"""The sets of cases that are drawn from a seed and a number, by their options."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -61,91 +70,68 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _asked_for(asked: argparse.Namespace, solve: Solvers) -> dict[str, Any]:
     """What the chosen experiment found, for the JSON; it is printed on the way."""
+    say = partial(print, flush=True)
     if asked.sweep is not None:
-        print(f"smallest size named in {experiments.ENOUGH} of {experiments.TRIES} cases", flush=True)
-        effects = asked.sweep or experiments.SWEPT
-        return {"limits": experiments.sweep(asked.seed, effects, solve, lambda line: print(line, flush=True))}
+        say(f"smallest size named in {experiments.ENOUGH} of {experiments.TRIES} cases")
+        return {"limits": experiments.sweep(asked.seed, asked.sweep or experiments.SWEPT, solve, say)}
     if asked.limits is not None:
         benches = asked.cases or BENCHES
-        print(f"smallest multiple of the limit that is named on {ENOUGH:.0%} of {benches} benches", flush=True)
-        found = limits(asked.seed, asked.limits or LIMITED, benches, solve, lambda line: print(line, flush=True))
+        say(f"smallest multiple of the limit that is named on {ENOUGH:.0%} of {benches} benches")
+        found = limits(asked.seed, asked.limits or LIMITED, benches, solve, say)
         print("", limit_table(found, benches), sep="\n")
         return {"limits": found}
     if asked.leave_out:
         cases = _only(asked, experiments.left_out_cases(asked.seed, asked.cases or len(experiments.SWEPT)))
-        return _left_out(_shown(solve(cases, [case.kind for case in cases]), cases))
+        return _left_out(_solved(solve, cases, [case.kind for case in cases]))
     if asked.calibration:
         cases, excluded = calibration_cases(asked.seed, asked.cases or 300)
-        found = []
-        for number, one in enumerate(solve.each(weighed, cases, excluded), 1):
-            print(f"{number:4d}/{len(cases)} {one.line()}", flush=True)
-            found.append(one)
-        sums = summed_up(found)
+        judged = _shown(solve.each(weighed, cases, excluded), len(cases))
+        sums = summed_up(judged)
         print("", table(sums), sep="\n")
-        return {"calibration": sums, "cases": [asdict(one) for one in found]}
+        return {"calibration": sums, "cases": [asdict(one) for one in judged]}
     if asked.contradictions:
         return _contradictions(asked.seed, asked.contradictions, solve)
     if asked.planned:
         return _planned(asked.seed, asked.planned, solve)
     if asked.known:
-        cases = _only(asked, known_cases())
-        return _known(_shown(solve(cases), cases))
-    if asked.null:
-        cases = _only(asked, experiments.null_cases(asked.seed, asked.null))
-    elif asked.other_machines:
-        cases = _only(asked, other_machine_cases(asked.seed, asked.other_machines))
-    elif asked.alone:
-        cases = _only(asked, experiments.alone_cases(asked.seed, asked.alone))
-    elif asked.laws:
-        cases = _only(asked, experiments.law_cases(asked.seed, asked.laws))
-    elif asked.robust:
-        cases = _only(asked, experiments.robustness_cases(asked.seed, asked.cases or 12))
-    else:
-        cases = _default_cases(asked)
-    return _report(_shown(solve(cases), cases))
+        return _known(_solved(solve, _only(asked, known_cases())))
+    return _report(_solved(solve, _cases(asked)))
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         "accuracy", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument(
+    add, add_count = parser.add_argument, partial(parser.add_argument, type=_count, metavar="N")
+    add("--seed", type=int, default=1)
+    add(
         "--cases",
         type=_count,
         help="60 by default; with --calibration 300; with --robust, per condition (12); with --limits, benches (10)",
     )
-    parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
-    parser.add_argument("--only", nargs="+", default=(), metavar="NAME", help="of the drawn cases, these")
-    parser.add_argument("--known", action="store_true", help="the cases that were once missed: all are to be named")
-    parser.add_argument("--null", type=_count, metavar="N", help="N benches with nothing hidden")
-    parser.add_argument(
-        "--other-machines", type=_count, metavar="N", help="N benches of other sizes, none of them kind"
-    )
-    parser.add_argument("--alone", type=_count, metavar="N", help="N cases of one recording each, some of them short")
-    parser.add_argument("--laws", type=_count, metavar="N", help="N benches whose friction follows one of several laws")
-    parser.add_argument("--leave-out", action="store_true", help="the hidden effect is taken out of the catalogue")
-    parser.add_argument("--sweep", nargs="*", choices=experiments.SWEPT, metavar="EFFECT", help="detection limits")
-    parser.add_argument(
-        "--limits", nargs="*", choices=LIMITED, metavar="EFFECT", help="detection limits on unkind benches"
-    )
-    parser.add_argument("--calibration", action="store_true", help="whether probabilities and intervals are right")
-    parser.add_argument(
-        "--planned", type=_count, metavar="N", help="N cases by one slow recording and two that plan asks for"
-    )
-    parser.add_argument("--strangers", type=_count, metavar="N", help="N servos in their owners' words and units")
-    parser.add_argument("--textbook", type=_count, metavar="N", help="N machines by a textbook's law of friction")
-    parser.add_argument("--mistakes", type=_count, metavar="N", help="N of them with a wrong unit or sign")
-    parser.add_argument("--plain", action="store_true", help="of --strangers, in the tutorial's names and SI units")
-    parser.add_argument("--single", action="store_true", help="of --strangers, one recording each instead of three")
-    parser.add_argument("--keep", type=Path, metavar="DIR", help="of these three: where their files stay")
-    parser.add_argument(
-        "--contradictions", type=_count, metavar="N", help="N cases of both benches: is all of it told alike"
-    )
-    parser.add_argument("--robust", action="store_true", help="the same cases under unkind conditions")
-    parser.add_argument("--workers", type=_count, default=WORKERS)
-    parser.add_argument("--json", type=Path, metavar="FILE")
-    parser.add_argument("--save", type=Path, metavar="DIR")
+    add("--kinds", nargs="+", choices=KINDS, default=KINDS)
+    add("--only", nargs="+", default=(), metavar="NAME", help="of the drawn cases, these")
+    add("--known", action="store_true", help="the cases that were once missed: all are to be named")
+    add_count("--null", help="N benches with nothing hidden")
+    add_count("--other-machines", help="N benches of other sizes, none of them kind")
+    add_count("--alone", help="N cases of one recording each, some of them short")
+    add_count("--laws", help="N benches whose friction follows one of several laws")
+    add("--leave-out", action="store_true", help="the hidden effect is taken out of the catalogue")
+    add("--sweep", nargs="*", choices=experiments.SWEPT, metavar="EFFECT", help="detection limits")
+    add("--limits", nargs="*", choices=LIMITED, metavar="EFFECT", help="detection limits on unkind benches")
+    add("--calibration", action="store_true", help="whether probabilities and intervals are right")
+    add_count("--planned", help="N cases by one slow recording and two that plan asks for")
+    add_count("--strangers", help="N servos in their owners' words and units")
+    add_count("--textbook", help="N machines by a textbook's law of friction")
+    add_count("--mistakes", help="N of them with a wrong unit or sign")
+    add("--plain", action="store_true", help="of --strangers, in the tutorial's names and SI units")
+    add("--single", action="store_true", help="of --strangers, one recording each instead of three")
+    add("--keep", type=Path, metavar="DIR", help="of these three: where their files stay")
+    add_count("--contradictions", help="N cases of both benches: is all of it told alike")
+    add("--robust", action="store_true", help="the same cases under unkind conditions")
+    add("--workers", type=_count, default=WORKERS)
+    add("--json", type=Path, metavar="FILE")
+    add("--save", type=Path, metavar="DIR")
     return parser
 
 
@@ -154,6 +140,16 @@ def _count(text: str) -> int:
     if not text.isdigit() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"'{text}' is no count; give a whole number from 1 on")
     return int(text)
+
+
+def _cases(asked: argparse.Namespace) -> list[Case]:
+    """The cases of the set that was asked for, by default of all kinds."""
+    for name, drawn in _SETS.items():
+        if count := getattr(asked, name):
+            return _only(asked, drawn(asked.seed, count))
+    if asked.robust:
+        return _only(asked, experiments.robustness_cases(asked.seed, asked.cases or 12))
+    return _default_cases(asked)
 
 
 def _default_cases(asked: argparse.Namespace) -> list[Case]:
@@ -176,12 +172,18 @@ def _only(asked: argparse.Namespace, cases: Sequence[Named]) -> list[Named]:
     return [case for case in cases if not asked.only or case.name in asked.only]
 
 
-def _shown(verdicts: Iterable[Verdict], cases: Sequence[Case]) -> list[Verdict]:
-    """The verdicts, each printed as it comes; returned in the order of the cases."""
-    by_name = {}
-    for number, verdict in enumerate(verdicts, 1):
-        print(f"{number:4d}/{len(cases)} {verdict.line()}", flush=True)
-        by_name[verdict.case] = verdict
+def _shown(answers: Iterable[Answer], total: int) -> list[Answer]:
+    """The answers, each printed as it comes."""
+    found = []
+    for number, answer in enumerate(answers, 1):
+        print(f"{number:4d}/{total} {answer.line()}", flush=True)
+        found.append(answer)
+    return found
+
+
+def _solved(solve: Solvers, cases: Sequence[Case], without: Sequence[str] = ()) -> list[Verdict]:
+    """The verdicts, shown as they come; returned in the order of the cases."""
+    by_name = {verdict.case: verdict for verdict in _shown(solve(cases, without), len(cases))}
     return [by_name[case.name] for case in cases]
 
 
@@ -219,24 +221,14 @@ def _contradictions(seed: int, count: int, solve: Solvers) -> dict[str, Any]:
     """Whether all that is said of a case is told alike: three of four cases of the first bench, then the other's."""
     kind, unkind = -(-3 * count // 4), count // 4
     cases = [*drawn_cases(seed, kind), *(other_machine_cases(seed, unkind) if unkind else ())]
-    found = []
-    for number, (name, said, told) in enumerate(solve.each(judged, cases, [()] * len(cases)), 1):
-        print(
-            f"{number:4d}/{len(cases)} {name:16s} {','.join(said) or '-'}: {'; '.join(told) or 'told alike'}",
-            flush=True,
-        )
-        found.append({"case": name, "said": list(said), "contradictions": told})
-    print(f"{sum(len(one['contradictions']) for one in found)} contradictions in {len(cases)} cases")
-    return {"contradictions": found}
+    found = _shown(solve.each(checked, cases), len(cases))
+    print(f"{sum(len(one.contradictions) for one in found)} contradictions in {len(cases)} cases")
+    return {"contradictions": [one._asdict() for one in found]}
 
 
 def _planned(seed: int, count: int, solve: Solvers) -> dict[str, Any]:
     """One slow recording and two that plan asks for, beside two that nobody planned."""
-    cases = planned_cases(seed, count)
-    pairs = []
-    for number, pair in enumerate(solve.each(planned_and_not, cases, [()] * len(cases)), 1):
-        print(f"{number:4d}/{count} {pair.line()}", flush=True)
-        pairs.append(pair)
+    pairs = _shown(solve.each(planned_and_not, planned_cases(seed, count)), count)
     right = {how: sum(getattr(pair, how).found for pair in pairs) for how in ("planned", "unplanned")}
     wrong = {how: sum(bool(getattr(pair, how).wrong) for pair in pairs) for how in right}
     for how in right:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -98,20 +99,23 @@ _INVERSE = ("presliding_friction", "shaft_compliance")
 assert tuple(_USUAL) == (*CATALOGUE, *UNKNOWN)
 
 
-def drawn_cause(id: str, machine: Machine, random: np.random.Generator, size: float = 1.0) -> Cause:
-    """A cause of usual size times ``size``."""
-    values = {name: usual.draw(random) for name, usual in _USUAL[id].items()}
-    options = {name: str(random.choice(choices)) for name, choices in _OPTIONS.get(id, {}).items()}
-    if id == "viscous_friction":
-        values = {"coefficient": machine.motor_viscous + machine.output_viscous}
-    elif id == "coulomb_friction":
-        values = {"torque": machine.motor_level + machine.output_level}
-    return _resized(Cause(id, values, options), size)
+SIZE_OF: Mapping[str, tuple[str, Usual]] = {
+    id: (name, usual)
+    for id, parameters in _USUAL.items()
+    for name, usual in itertools.islice(parameters.items(), 1)
+    if isinstance(usual, Usual)
+}
+"""Of each effect that has a size: the parameter that is it, and its usual range."""
 
 
 def drawn_causes(ids: Sequence[str], machine: Machine, random: np.random.Generator, size: float = 1.0) -> list[Cause]:
     """Causes of usual size times ``size``, quiet together."""
-    causes = [drawn_cause(id, machine, random, size) for id in ids]
+    whole = {
+        "viscous_friction": {"coefficient": machine.motor_viscous + machine.output_viscous},
+        "coulomb_friction": {"torque": machine.motor_level + machine.output_level},
+    }
+    drawn = [_drawn(id, random) for id in ids]
+    causes = [_resized(replace(cause, values=whole.get(cause.id, cause.values)), size) for cause in drawn]
     if {"backlash", "shaft_compliance"} <= set(ids):
         # a gap before a spring without much damping swings by itself at an ampere, which nobody would record
         tamed = {
@@ -122,29 +126,23 @@ def drawn_causes(ids: Sequence[str], machine: Machine, random: np.random.Generat
     return causes
 
 
-def size_of(id: str) -> tuple[str, Usual] | None:
-    """(name, usual range) of the parameter that is an effect's size; None where it has none."""
-    first = next(iter(_USUAL[id].items()), None)
-    return first if first and isinstance(first[1], Usual) else None  # type: ignore[return-value]
-
-
 def middling_cause(id: str, random: np.random.Generator, size: float) -> Cause:
     """A cause exactly ``size`` times as large as the middle of its usual range; all else drawn."""
-    named = size_of(id)
-    assert named is not None, f"{id} has no size"
-    name, usual = named
-    values = {parameter: usual.draw(random) for parameter, usual in _USUAL[id].items()}
-    sign = -1.0 if values[name] < usual.zero else 1.0
-    values[name] = usual.zero + sign * usual.middle
-    options = {name: str(random.choice(choices)) for name, choices in _OPTIONS.get(id, {}).items()}
-    return _resized(Cause(id, values, options), size)
+    name, usual = SIZE_OF[id]
+    cause = _drawn(id, random)
+    sign = -1.0 if cause.values[name] < usual.zero else 1.0
+    return _resized(replace(cause, values={**cause.values, name: usual.zero + sign * usual.middle}), size)
+
+
+def _drawn(id: str, random: np.random.Generator) -> Cause:
+    values = {name: usual.draw(random) for name, usual in _USUAL[id].items()}
+    return Cause(id, values, {name: str(random.choice(choices)) for name, choices in _OPTIONS.get(id, {}).items()})
 
 
 def _resized(cause: Cause, size: float) -> Cause:
-    named = size_of(cause.id)
-    if named is None or size == 1.0:
+    if cause.id not in SIZE_OF or size == 1.0:
         return cause
-    name, usual = named
+    name, usual = SIZE_OF[cause.id]
     away = cause.values[name] - usual.zero
     changed = away / size if cause.id in _INVERSE else away * size
-    return Cause(cause.id, {**cause.values, name: usual.zero + changed}, cause.options)
+    return replace(cause, values={**cause.values, name: usual.zero + changed})

@@ -58,12 +58,7 @@ def test_an_interval_holds_the_truth_or_not():
     true = case.parameters["cogging"]["torque"]
     for away, holds in ((1.6, True), (1.7, False)):
         entry = {"effect": "cogging", "torque": {"value": true + away * 1e-4, "std": 1e-4, "unit": "N m"}}
-        diagnosis = {
-            "ranking": [{"effect": "cogging", "probability": 0.9}],
-            "groups": [],
-            "none": 0.0,
-            "unknown": 0.1,
-        }
+        diagnosis = {"ranking": [{"effect": "cogging", "probability": 0.9}], "groups": [], "none": 0.0, "unknown": 0.1}
         found = judged(case, diagnosis, {"added": ["cogging"], "parameters": {"cogging": entry}})
         assert found.covered == {"cogging.torque": holds}
         assert {s.what: s.true for s in found.statements} == {"cogging": True, "none": False, "unknown": False}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -68,14 +68,7 @@ def with_jump(recording: Recording, random: np.random.Generator) -> Recording:
     counts = stock_constants()["sensors"]["motor_encoder_counts"] / (2.0 * math.pi)
     position = recording.signals["motor_position"].copy()
     position[random.integers(len(position) // 4, 3 * len(position) // 4) :] -= _JUMP / counts
-    return Recording(
-        name=recording.name,
-        stamps=recording.stamps,
-        signals={**recording.signals, "motor_position": position},
-        motor_angle_origin=recording.motor_angle_origin,
-        output_angle_origin=recording.output_angle_origin,
-        metadata=recording.metadata,
-    )
+    return replace(recording, signals={**recording.signals, "motor_position": position})
 
 
 def _spikes(count: int, share: float, random: np.random.Generator) -> np.ndarray:

@@ -68,14 +68,17 @@ class Solvers:
 
     def __call__(self, cases: Sequence[Case], without: Sequence[str] = ()) -> Iterator[Verdict]:
         """The cases' verdicts as they come; ``without`` are effects, one a case, that it may not name."""
-        kept: list[tuple[str, ...]] = [(id,) for id in without] or [()] * len(cases)
-        return self.each(solve, cases, kept)
+        return self.each(solve, cases, [(id,) for id in without])
 
     def each(
-        self, what: Callable[[Case, Sequence[str]], Answer], cases: Sequence[Case], without: Sequence[Sequence[str]]
+        self,
+        what: Callable[[Case, Sequence[str]], Answer],
+        cases: Sequence[Case],
+        without: Sequence[Sequence[str]] = (),
     ) -> Iterator[Answer]:
         """What a function makes of each case, beside the effects that it may not name, as they come."""
-        waiting = [self._pool.submit(what, case, ids) for case, ids in zip(cases, without, strict=True)]
+        barred = without or [()] * len(cases)
+        waiting = [self._pool.submit(what, case, ids) for case, ids in zip(cases, barred, strict=True)]
         for future in as_completed(waiting):
             yield future.result()
 

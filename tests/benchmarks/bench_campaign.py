@@ -27,6 +27,7 @@ from tests.accuracy.commands import Drive
 from tests.accuracy.machine import stock_machine
 from tests.accuracy.other_bench import OtherBench
 from tests.accuracy.unkind import Unkind
+from tests.benchmarks.timing import processor_time
 from tests.dask_cluster import no_work, own_cluster, second_of_no_work
 
 OVERVIEW = """
@@ -49,17 +50,6 @@ def lost(job, reason):
     return Outcome(job, FAILED, reason, 0.0)
 
 
-def taken(process):
-    """Seconds of a processor that a process has had."""
-    of = psutil.Process(process.pid).cpu_times()
-    return of.user + of.system
-
-
-def told(capsys, text):
-    with capsys.disabled():
-        print(f"\n  {text}", end="")
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Recordings of the virtual bench and of another program's plant by turns, in ten units."""
@@ -80,17 +70,18 @@ def measured(folder, workers):
     jobs = find_jobs(Grouping.of(folder / "runs", None, "recording"), COMPARE)
     with own_cluster(folder / f"cluster of {workers}", workers) as own, cluster(own.address, workers) as client:
         client.wait_for_workers(workers)
+        every = (own.scheduler, *own.workers)
         begun, first, memory, warm = time.perf_counter(), None, [], None
         for number, outcome in enumerate(campaign(client, jobs, COMPARE, store.folder)):
             assert outcome.status == DONE, outcome.message
             first = first or time.perf_counter() - begun
             if number == len(jobs) // 10:  # each worker has imported all that it needs
-                warm = (time.perf_counter(), time.process_time(), [taken(p) for p in (own.scheduler, *own.workers)])
+                warm = time.perf_counter(), time.process_time(), [*map(processor_time, every)]
             if number in (len(jobs) // 10, len(jobs) - 1):
                 memory.append(max(psutil.Process(p.pid).memory_info().rss for p in own.workers) / 2**20)
         clock = time.perf_counter() - warm[0]
         client_time = time.process_time() - warm[1]
-        scheduler, *of_workers = (taken(p) - was for p, was in zip((own.scheduler, *own.workers), warm[2], strict=True))
+        scheduler, *of_workers = (now - was for now, was in zip(map(processor_time, every), warm[2], strict=True))
     assert len(store.settled()) == len(jobs)
     return {
         "first": first,
@@ -103,50 +94,49 @@ def measured(folder, workers):
 
 
 @pytest.mark.timeout(3600)
-def test_recordings_cost_the_same_with_two_workers(folder, capsys):
+def test_recordings_cost_the_same_with_two_workers(folder, say):
     one, two = (measured(folder, workers) for workers in (1, 2))
     counted = RECORDINGS - RECORDINGS // 10
     for workers, of in ((1, one), (2, two)):
-        told(
-            capsys,
-            f"{counted} recordings, {workers} worker(s): {of['clock']:.0f} s, {counted / of['clock']:.1f}/s; "
+        say(
+            f"\n  {counted} recordings, {workers} worker(s): {of['clock']:.0f} s, {counted / of['clock']:.1f}/s; "
             f"of a processor: workers {of['workers']:.1f} s, scheduler {of['scheduler']:.1f} s, "
             f"client {of['client']:.1f} s; first result after {of['first']:.1f} s; "
-            f"memory of a worker {of['memory'][0]:.0f} to {of['memory'][-1]:.0f} MiB",
+            f"memory of a worker {of['memory'][0]:.0f} to {of['memory'][-1]:.0f} MiB"
         )
-    told(capsys, f"scaling of the workers' own time: {one['workers'] / two['workers']:.0%}")
+    say(f"\n  scaling of the workers' own time: {one['workers'] / two['workers']:.0%}")
     assert one["workers"] / two["workers"] >= SCALING
     assert max(of["memory"][-1] - of["memory"][0] for of in (one, two)) <= GROWTH
 
 
 @pytest.mark.timeout(1800)
 @pytest.mark.parametrize("work", [no_work, second_of_no_work], ids=["a thousand a task", "one a task"])
-def test_what_a_job_costs_that_does_nothing(work, tmp_path, capsys):
+def test_what_a_job_costs_that_does_nothing(work, tmp_path, say):
     number = STUBS if work is no_work else STUBS // 10
     jobs = [Job(str(k), "A", str(k), ()) for k in range(number)]
     with own_cluster(tmp_path / "cluster") as own, cluster(own.address, 1) as client:
         client.wait_for_workers(1)
+        every = (own.scheduler, *own.workers)
         client.submit(sum, [1]).result()
-        before, own_before = [taken(p) for p in (own.scheduler, own.workers[0])], time.process_time()
+        before, own_before = [*map(processor_time, every)], time.process_time()
         begun = time.perf_counter()
         outcomes = run(client, iter(jobs), work, lost)
         next(outcomes)
         first = time.perf_counter() - begun
         assert sum(1 for _ in outcomes) == number - 1
         clock = time.perf_counter() - begun
-        scheduler, worker = (taken(p) - was for p, was in zip((own.scheduler, own.workers[0]), before, strict=True))
+        scheduler, worker = (now - was for now, was in zip(map(processor_time, every), before, strict=True))
         client_time = time.process_time() - own_before
-    told(
-        capsys,
-        f"{number} jobs: first after {first:.2f} s, all after {clock:.1f} s; of a processor, a job: scheduler "
+    say(
+        f"\n  {number} jobs: first after {first:.2f} s, all after {clock:.1f} s; of a processor, a job: scheduler "
         f"{1e6 * scheduler / number:.0f} us, client {1e6 * client_time / number:.0f} us, worker "
-        f"{1e6 * worker / number:.0f} us",
+        f"{1e6 * worker / number:.0f} us"
     )
     if work is no_work:
         assert (scheduler + client_time + worker) / number <= OVERHEAD
 
 
-def test_an_overview_of_a_hundred_thousand_results(tmp_path, capsys):
+def test_an_overview_of_a_hundred_thousand_results(tmp_path, say):
     store = Store.made(tmp_path / "results")
     begun = datetime(2026, 1, 1, tzinfo=timezone.utc)
     for unit in range(UNITS):
@@ -171,5 +161,5 @@ def test_an_overview_of_a_hundred_thousand_results(tmp_path, capsys):
         taken_best = min(taken_best, time.process_time() - own)
         clock = min(clock, time.perf_counter() - begun_at)
     assert len(units) == UNITS and all(count == EACH for _, count, *_ in units)
-    told(capsys, f"overview of {UNITS * EACH} results: {taken_best:.2f} s of a processor, {clock:.2f} s of the clock")
+    say(f"\n  overview of {UNITS * EACH} results: {taken_best:.2f} s of a processor, {clock:.2f} s of the clock")
     assert taken_best <= OVERVIEW_TIME

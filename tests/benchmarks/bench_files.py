@@ -8,7 +8,6 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -20,9 +19,10 @@ from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.benchmarks.timing import fastest
+from tests.command_line import TWIN
+from tests.conftest import RECORDINGS
 
-TWIN = Path(sys.prefix) / "bin" / "ema-twin"
-TRACES = sorted((Path(__file__).resolve().parent.parent / "recordings").glob("*.CSV"))
+TRACES = sorted(RECORDINGS.glob("*.CSV"))
 ROUNDS = 5
 MOST_TO_IMPORT, MOST_TO_COMPARE = 1.5, 5.0
 """Times what Python, and the import of numba, take."""
@@ -44,15 +44,6 @@ def measured(*command):
     return tuple(map(float, told.stdout.split()))
 
 
-@pytest.fixture
-def say(capsys):
-    def say(text):
-        with capsys.disabled():
-            print(f"\n  {text}")
-
-    return say
-
-
 def test_import(tmp_path, say):
     siemens = load_map("siemens")
     size = sum(path.stat().st_size for path in TRACES)
@@ -70,8 +61,8 @@ def test_import(tmp_path, say):
 
     best, plain = fastest(ROUNDS, imported, merely_read)
     rate = size / best / 1e6
-    say(f"import: {rate:.1f} MB of CSV a second of processor time, files of {size / len(TRACES) / 1e6:.2f} MB")
-    say(f"  {best / plain:.2f} × the time that Python's csv and float take")
+    say(f"\n  import: {rate:.1f} MB of CSV a second of processor time, files of {size / len(TRACES) / 1e6:.2f} MB")
+    say(f"    {best / plain:.2f} × the time that Python's csv and float take")
     assert best <= MOST_TO_IMPORT * plain
 
 
@@ -85,7 +76,7 @@ def test_bags_are_read(tmp_path, say):
         for folder in folders:
             load(folder)
         best = min(best, time.perf_counter() - begin)
-    say(f"{len(folders)} bags of 20 s read in {best:.3f} s")
+    say(f"\n  {len(folders)} bags of 20 s read in {best:.3f} s")
     assert best <= 2 * 0.15 * len(folders) / 6
 
 
@@ -99,8 +90,8 @@ def test_compare_six_recordings(tmp_path, say):
     measured(*command)
     both = [(measured(*command), measured(sys.executable, "-c", "import numba")) for _ in range(ROUNDS)]
     (seconds, peak), (start, _) = map(min, zip(*both, strict=True))
-    say(f"compare, six recordings of 20 s, process start included: {seconds:.2f} s, {peak:.0f} MiB")
-    say(f"  {seconds / start:.1f} × the time in which Python imports numba")
+    say(f"\n  compare, six recordings of 20 s, process start included: {seconds:.2f} s, {peak:.0f} MiB")
+    say(f"    {seconds / start:.1f} × the time in which Python imports numba")
     assert seconds <= MOST_TO_COMPARE * start
 
 
@@ -110,5 +101,5 @@ def test_memory_of_half_an_hour(tmp_path, say, source):
     run = tmp_path / "half_an_hour.mcap"
     write_mcap(bench, run)
     seconds, peak = measured(TWIN, "compare", run, "--model", "polito_bench", "--input", source)
-    say(f"compare, driven by the {source}, 30 minutes ({len(bench)} samples): {seconds:.1f} s, peak {peak:.0f} MiB")
+    say(f"\n  compare, driven by the {source}, 30 minutes ({len(bench)} samples): {seconds:.1f} s, peak {peak:.0f} MiB")
     assert peak <= 500.0

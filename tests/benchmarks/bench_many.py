@@ -56,7 +56,7 @@ def equations(model):
 
 
 @pytest.mark.parametrize("transmission", TRANSMISSIONS)
-def test_rate_of_many_models(transmission, capsys):
+def test_rate_of_many_models(transmission, say):
     effect = TRANSMISSIONS[transmission]
     model = load_model("polito_bench")
     model = model.with_effect(effect) if effect else model
@@ -77,9 +77,8 @@ def test_rate_of_many_models(transmission, capsys):
         (f"simulate_many, {MODELS} models", by_many, by_one),
         (f"simulate_many, {MODELS} models, {cores} cores", by_many / cores, by_one),
     )
-    with capsys.disabled():
-        print(f"\n  {transmission + ', step 25 µs':<46}{'ns a step':>10}{'× real time':>13}{'× rate':>8}")
-        for name, taken, alone in rows:
-            print(f"  {name:<46}{1e9 * taken / steps:>10.2f}{SECONDS / taken:>13.0f}{alone / taken:>8.1f}")
+    say(f"\n  {transmission + ', step 25 µs':<46}{'ns a step':>10}{'× real time':>13}{'× rate':>8}")
+    for name, taken, alone in rows:
+        say(f"  {name:<46}{1e9 * taken / steps:>10.2f}{SECONDS / taken:>13.0f}{alone / taken:>8.1f}")
     assert cores * single / together >= 5.0
     assert cores * by_one / by_many >= 5.0

@@ -31,12 +31,11 @@ def peaks(name):
 
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("name", TIMES)
-def test_memory_does_not_grow_with_the_simulated_time(name, capsys):
+def test_memory_does_not_grow_with_the_simulated_time(name, say):
     Twin(load_model(name))  # the process that measures must not compile: that takes more than any simulation
     with multiprocessing.get_context("spawn").Pool(1) as fresh:
         found = fresh.apply(peaks, (name,))
-    with capsys.disabled():
-        print(f"\n  {name + ', last row recorded':<46}{'simulated s':>12}{'peak MiB':>10}")
-        for seconds, most in zip(TIMES[name], found, strict=True):
-            print(f"  {'':<46}{seconds:>12g}{most:>10.1f}")
+    say(f"\n  {name + ', last row recorded':<46}{'simulated s':>12}{'peak MiB':>10}")
+    for seconds, most in zip(TIMES[name], found, strict=True):
+        say(f"  {'':<46}{seconds:>12g}{most:>10.1f}")
     assert found[-1] - found[0] <= GROWTH

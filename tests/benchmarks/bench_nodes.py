@@ -3,11 +3,8 @@
 Beside each stands a plain node of rclpy that only sends on what it gets: machines differ, and are noisy.
 """
 
-import os
 import signal
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,13 +13,11 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-
-from ros_graph import start_process
-
 from ema_bench_replay.load import load
 from ema_bench_replay.nodes import qos
 from ema_twin_msgs.msg import EmaState
+from tests.benchmarks.timing import processor_time
+from tests.ros_graph import start_process
 
 MODULES = {
     "twin": "ema_twin_sim.nodes.twin",
@@ -39,11 +34,6 @@ MOST_MISSED = 0.05
 """Share of the periods beyond that which a plain timer misses."""
 SETTLING, MEASURED, WINDOWS = 3.0, 4.0, 3
 """s, s, and the number of measurements: other work on the machine only adds to a node's share, so the least counts."""
-
-
-@pytest.fixture
-def trace():
-    return next(path for path in (Path(__file__).parent.parent / "recordings").glob("*.CSV") if "ramp" in path.name)
 
 
 @pytest.fixture
@@ -104,23 +94,18 @@ def observer():
     observer.close()
 
 
-def processor_time(process):
-    fields = Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
-def start_nodes(start, observer, trace, folder, *parameters, beside=("plain",)):
+def start_nodes(start, observer, ramp, folder, *parameters, beside=("plain",)):
     """The four nodes and those ``beside`` them; replay begins when the others read what it sends."""
     nodes = {name: start(MODULES[name]) for name in ("twin", "monitor", *beside)}
     nodes["record"] = start(MODULES["record"], f"output:={folder / 'bag'}")
     observer.spin_until(lambda: set(nodes) <= set(observer.node.get_node_names()))
-    nodes["replay"] = start(MODULES["replay"], f"recording:={trace}", "on_end:=wait", "patience:=30", *parameters)
+    nodes["replay"] = start(MODULES["replay"], f"recording:={ramp}", "on_end:=wait", "patience:=30", *parameters)
     return nodes
 
 
 @pytest.mark.timeout(120)
-def test_processor_time_at_500_hz(start, observer, trace, tmp_path, capsys):
-    nodes = start_nodes(start, observer, trace, tmp_path, "subscribers:=4")
+def test_processor_time_at_500_hz(start, observer, ramp, tmp_path, say):
+    nodes = start_nodes(start, observer, ramp, tmp_path, "subscribers:=4")
     observer.spin_until(lambda: observer.node.count_publishers("/bench/state"))
     time.sleep(SETTLING)
     shares = dict.fromkeys(nodes, 1.0)
@@ -129,45 +114,42 @@ def test_processor_time_at_500_hz(start, observer, trace, tmp_path, capsys):
         time.sleep(MEASURED)
         for name, process in nodes.items():
             shares[name] = min(shares[name], (processor_time(process) - before[name]) / MEASURED)
-    with capsys.disabled():
-        print("\nnode       share of a core at 500 Hz")
-        for name, share in shares.items():
-            print(f"{name:10} {share:6.1%}")
+    say("\nnode       share of a core at 500 Hz")
+    for name, share in shares.items():
+        say(f"{name:10} {share:6.1%}")
     plain = shares.pop("plain")
     assert max(shares.values()) <= TIMES_PLAIN * plain
 
 
 @pytest.mark.timeout(120)
-def test_the_twin_answers_in_time(start, observer, trace, tmp_path, capsys):
+def test_the_twin_answers_in_time(start, observer, ramp, tmp_path, say):
     observer.listen()
-    start_nodes(start, observer, trace, tmp_path, "subscribers:=5")
-    samples = len(load(trace))
+    start_nodes(start, observer, ramp, tmp_path, "subscribers:=5")
+    samples = len(load(ramp))
     observer.spin_until(lambda: min(map(len, observer.sent.values())) == samples)
     took = {}
     for node in ("twin", "plain"):
         answered = [observer.sent[node][number] - sent for number, sent in observer.sent["bench"].items()]
         took[node] = median, late, latest = np.percentile(np.array(answered) * 1e-6, [50, 99, 100])
-        with capsys.disabled():
-            print(f"\n{node} node: answers after {median:.2f} ms (median), p99 {late:.2f} ms, longest {latest:.2f} ms")
+        say(f"\n{node} node: answers after {median:.2f} ms (median), p99 {late:.2f} ms, longest {latest:.2f} ms")
     for twin, plain in zip(took["twin"][:2], took["plain"][:2], strict=True):
         assert twin <= max(SOON_ENOUGH, TIMES_PLAIN * plain)
 
 
 @pytest.mark.timeout(120)
-def test_unpaced_nothing_is_lost(start, observer, trace, tmp_path, capsys):
+def test_unpaced_nothing_is_lost(start, observer, ramp, tmp_path, say):
     observer.listen()
-    start_nodes(start, observer, trace, tmp_path, "subscribers:=4", "rate:=0", beside=())
-    samples = len(load(trace))
+    start_nodes(start, observer, ramp, tmp_path, "subscribers:=4", "rate:=0", beside=())
+    samples = len(load(ramp))
     observer.spin_until(lambda: min(len(observer.sent[side]) for side in ("bench", "twin")) == samples)
     sent = [*observer.sent["bench"].values(), *observer.sent["twin"].values()]
     elapsed = (max(sent) - min(sent)) * 1e-9
-    with capsys.disabled():
-        print(f"\nunpaced, four nodes and an observer: {samples / elapsed:.0f} samples/s, none lost")
+    say(f"\nunpaced, four nodes and an observer: {samples / elapsed:.0f} samples/s, none lost")
 
 
 @pytest.mark.timeout(120)
 @pytest.mark.parametrize("rate", [500, 1000])
-def test_a_standalone_twin_misses_few_periods(start, observer, rate, capsys):
+def test_a_standalone_twin_misses_few_periods(start, observer, rate, say):
     observer.listen()
     start(MODULES["twin"], "input:=standalone", "command:=sine:0.02:1", f"rate:={rate}.0")
     start(MODULES["plain"], f"rate:={rate}.0")
@@ -180,6 +162,5 @@ def test_a_standalone_twin_misses_few_periods(start, observer, rate, capsys):
     for node in ("twin", "plain"):
         sent = sum(begin <= stamp < end for stamp in observer.sent[node].values())
         missed[node] = 1.0 - sent / (MEASURED * rate)
-        with capsys.disabled():
-            print(f"\n{node} node by its own timer, {rate} Hz: {missed[node]:.2%} of the periods missed")
+        say(f"\n{node} node by its own timer, {rate} Hz: {missed[node]:.2%} of the periods missed")
     assert missed["twin"] <= missed["plain"] + MOST_MISSED

@@ -51,17 +51,16 @@ def cost_of_a_file(path):
 
 
 @pytest.mark.timeout(600)
-def test_half_an_hour_as_a_file(tmp_path, capsys):
+def test_half_an_hour_as_a_file(tmp_path, say):
     path = tmp_path / "long.rrd"
     with multiprocessing.get_context("spawn").Pool(1) as fresh:
         compared, before, written, after = fresh.apply(cost_of_a_file, (path,))
-    with capsys.disabled():
-        print(f"\n  {'half an hour at 500 Hz as rerun views':<46}{'s':>8}{'peak MiB':>10}{'file MB':>9}")
-        print(f"  {'  both simulations and their comparison':<46}{compared:>8.1f}{before:>10.0f}")
-        print(f"  {'  the views, all of them':<46}{written:>8.1f}{after:>10.0f}{path.stat().st_size / 1e6:>9.0f}")
+    say(f"\n  {'half an hour at 500 Hz as rerun views':<46}{'s':>8}{'peak MiB':>10}{'file MB':>9}")
+    say(f"  {'  both simulations and their comparison':<46}{compared:>8.1f}{before:>10.0f}")
+    say(f"  {'  the views, all of them':<46}{written:>8.1f}{after:>10.0f}{path.stat().st_size / 1e6:>9.0f}")
 
 
-def test_live_share_of_a_core(tmp_path, capsys, monkeypatch):
+def test_live_share_of_a_core(tmp_path, say, monkeypatch):
     model = load_model("polito_bench")
     now = [0.0]
     monkeypatch.setattr(rerun_view.clock, "monotonic", lambda: now[0])  # a run that is played as fast as it goes
@@ -76,5 +75,4 @@ def test_live_share_of_a_core(tmp_path, capsys, monkeypatch):
         view.add(rows / RATE, batch, batch, rest)
     view.close()
     share = (time.process_time() - begin) / LIVE
-    with capsys.disabled():
-        print(f"\n  live views at 500 Hz, share of a core: {100.0 * share:.1f} %")
+    say(f"\n  live views at 500 Hz, share of a core: {100.0 * share:.1f} %")

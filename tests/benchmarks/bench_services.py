@@ -30,7 +30,7 @@ def on_time(arrivals):
 
 
 @pytest.mark.parametrize("name", ["own", "dev10"])
-def test_a_diagnosis_beside_a_live_run(name, capfd):
+def test_a_diagnosis_beside_a_live_run(name, say):
     modules = ("ema_twin_sim.nodes.twin", "ema_twin_sim.nodes.monitor")
     processes = [start_process(module) for module in modules]
     given = (f"recording:={recording(name)}", "loop:=true", "subscribers:=2")
@@ -53,12 +53,11 @@ def test_a_diagnosis_beside_a_live_run(name, capfd):
         lasted = time.monotonic() - begun
         answer = future.result()
         assert answer.success, answer.message
-        with capfd.disabled():
-            print(
-                f"\n{name}: {answer.diagnosis.verdict} from {answer.diagnosis.window:.0f} s in {lasted:.1f} s\n"
-                f"  before the call: {on_time(arrivals[:first])}\n  while it lasts:  {on_time(arrivals[first:])}; "
-                f"{(len(arrivals) - first) / lasted:.0f} residuals a second, {health[-1].missing} samples missing"
-            )
+        say(
+            f"\n{name}: {answer.diagnosis.verdict} from {answer.diagnosis.window:.0f} s in {lasted:.1f} s\n"
+            f"  before the call: {on_time(arrivals[:first])}\n  while it lasts:  {on_time(arrivals[first:])}; "
+            f"{(len(arrivals) - first) / lasted:.0f} residuals a second, {health[-1].missing} samples missing"
+        )
     finally:
         graph.close()
         for process in processes:

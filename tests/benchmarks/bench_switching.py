@@ -10,7 +10,7 @@ from numba import njit
 from ema_twin_sim.plant.switching.electrical_angle import sine_and_cosine, turned
 from ema_twin_sim.plant.switching.step import switching_step
 from ema_twin_sim.plant.switching.step_constants import step_constants
-from tests.benchmarks.in_c import c_loop
+from tests.benchmarks.in_c import c_loop, pointer
 from tests.benchmarks.timing import fastest
 from tests.turned_motor import STEP, winding
 
@@ -18,16 +18,6 @@ ROUNDS = 100
 CYCLE = 125  # steps of 1 us in a control cycle
 SETPOINT = 2.0  # A
 SPEED = 5.0  # rad/s
-CONSTANTS = (
-    "pole_pairs", "phase_resistance", "phase_inductance", "back_emf_constant", "torque_constant", "trapezoidal",
-    "torque_limit", "magnet_strength", "active_turns_u", "active_turns_v", "active_turns_w", "eccentricity",
-    "eccentricity_phase", "resolver_offset", "resolver_amplitude", "resolver_order", "resolver_phase",
-    "dc_link_voltage", "hysteresis", "switch_resistance", "current_filter",
-)  # fmt: skip
-RESULTS = (
-    "current_u", "current_v", "current_w", "leg_u", "leg_v", "leg_w", "quadrature_current", "direct_current",
-    "quadrature_voltage", "angle", "torque", "air_gap_torque", "link_energy", "loss_energy",
-)  # fmt: skip
 MOTORS = {
     "sinusoidal": {},
     "trapezoidal": {"trapezoidal": 1.0},
@@ -37,10 +27,6 @@ MOTORS = {
         "torque_limit": 3.5,
     },
 }  # fmt: skip
-
-
-class State(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_double) for name in RESULTS]
 
 
 @njit(error_model="numpy")
@@ -85,23 +71,20 @@ def in_c(tmp_path_factory):
 
 
 def by_c(function, motor, steps):
-    constants = (ctypes.c_double * len(CONSTANTS))(*(float(motor[name][0]) for name in CONSTANTS))
-    state = State()
+    begun = np.zeros(14)  # as switching.c's state_t
+    begun[3:6] = -1.0  # all lower switches closed
+    numbers = [ctypes.c_double(value) for value in (STEP, SETPOINT, SPEED)]
 
     def call():
-        ctypes.memset(ctypes.byref(state), 0, ctypes.sizeof(state))
-        state.leg_u = state.leg_v = state.leg_w = -1.0
-        function(
-            constants, ctypes.byref(state), ctypes.c_long(steps), ctypes.c_long(CYCLE),
-            *(ctypes.c_double(value) for value in (STEP, SETPOINT, SPEED)),
-        )  # fmt: skip
-        return tuple(getattr(state, name) for name in RESULTS)
+        state = begun.copy()
+        function(pointer(motor), pointer(state), ctypes.c_long(steps), ctypes.c_long(CYCLE), *numbers)
+        return state
 
     return call
 
 
 @pytest.mark.parametrize("motor", MOTORS)
-def test_speed_of_the_switching_step(motor, in_c, capsys):
+def test_speed_of_the_switching_step(motor, in_c, say):
     record = winding(**MOTORS[motor])
     steps = 20_000
     results = advance(record, steps, CYCLE, STEP, SETPOINT, SPEED)
@@ -109,6 +92,5 @@ def test_speed_of_the_switching_step(motor, in_c, capsys):
 
     calls = (lambda: advance(record, steps, CYCLE, STEP, SETPOINT, SPEED), by_c(in_c, record, steps))
     ours, theirs = (1e9 * seconds / steps for seconds in fastest(ROUNDS, *calls))
-    with capsys.disabled():
-        print(f"\n  switching step, {motor:<14}{ours:>8.1f} ns{theirs:>8.1f} ns in C{ours / theirs:>8.2f} x C")
+    say(f"\n  switching step, {motor:<14}{ours:>8.1f} ns{theirs:>8.1f} ns in C{ours / theirs:>8.2f} x C")
     assert ours <= 1.5 * theirs

@@ -1,4 +1,4 @@
-"""C loops beside the kernel: compiled as an engineer would, and given the package's own records."""
+"""C loops beside the kernel: compiled as an engineer would, given the package's own records, and run as the kernel."""
 
 import ctypes
 import shutil
@@ -7,9 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ema_twin_sim.plant.layout import PLANT, STATE
-from ema_twin_sim.plant.planetary.layout import TRAIN, TRAIN_STATE
+from ema_twin_sim.model import Model
+from ema_twin_sim.plant.kernel import kernel
+from ema_twin_sim.plant.layout import BENCH, PLANT, SETPOINT, STATE, TWIN
+from ema_twin_sim.plant.planetary.layout import LANE, ROW, TRAIN, TRAIN_STATE
 from ema_twin_sim.plant.switching.layout import WINDING, WINDING_STATE
+from ema_twin_sim.simulation.assembly import assemble
+from ema_twin_sim.simulation.fidelity import is_fine, resting_state, set_in_motion
 
 FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-shared", "-fPIC")
 RECORDS = {
@@ -20,6 +24,8 @@ RECORDS = {
     "train_t": TRAIN,
     "train_state_t": TRAIN_STATE,
 }
+PERIOD = 2_000_000  # ns, of the drive's trace
+MOTION = ("motor_angle", "motor_speed", "integral", "current", "smoothed_speed", "output_angle", "output_speed")
 _C_TYPES = {"f": "double", "i": "long"}
 
 
@@ -46,3 +52,56 @@ def _struct(name: str, record: np.dtype) -> str:
 def pointer(array: np.ndarray) -> ctypes.c_void_p:
     """Where an array's values stand; the array must outlive the call."""
     return ctypes.c_void_p(array.ctypes.data)
+
+
+class Run:
+    """A model that follows a speed ``setpoint`` (n,) [rad/s], by the kernel or by a C loop, from the same state."""
+
+    def __init__(self, model: Model, setpoint: np.ndarray, step: float) -> None:
+        self.assembly, self.fine_model = assemble(model), is_fine(model)
+        self.setpoint, self.step = np.ascontiguousarray(setpoint), step
+        self.stamps = np.arange(len(setpoint), dtype=np.int64) * PERIOD
+        self.seconds = self.stamps[-1] * 1e-9
+        self.rows = np.zeros((len(setpoint), len(TWIN)))
+        self.state, self.fine = np.zeros(1, STATE), resting_state(self.assembly.fine)
+        self._bench = np.full((len(setpoint), len(BENCH)), np.nan)
+        self._bench[:, BENCH.index("load_torque")] = 0.0
+        self._bench[:, BENCH.index("speed_setpoint")] = self.setpoint
+        self._advance = kernel(self.assembly.fine.switching, self.assembly.fine.planetary)
+
+    def begin(self) -> None:
+        """Let the run start at the setpoint's first speed."""
+        self.state[:] = 0
+        for speed in ("motor_speed", "output_speed", "smoothed_speed", "speed_setpoint"):
+            self.state[speed] = self.setpoint[0]
+        self.state["control_phase"] = self.assembly.plant["control_cycle"]
+        if self.fine_model:
+            self.fine = resting_state(self.assembly.fine)
+            set_in_motion(self.fine, self.assembly.fine, self.setpoint[0], 0.0, 0.0)
+
+    def by_kernel(self, record: bool = False) -> list[float]:
+        """The motion at the end."""
+        self.begin()
+        self._advance(
+            self.assembly.plant, self.state, self.assembly.acting, self.assembly.effects, (*self.fine,), SETPOINT,
+            self.stamps, self._bench, self.rows, self.step, record,
+        )  # fmt: skip
+        return self.motion()
+
+    def by_c(self, function: ctypes._CFuncPtr) -> list[float]:
+        """The motion at the end."""
+        self.begin()
+        parts: list[object] = []
+        if self.assembly.fine.planetary:
+            winding, winding_state, train, train_state, lanes, table = self.fine[:6]
+            parts = [pointer(part) for part in (winding, winding_state, train, train_state, table)]
+            parts += [ctypes.c_long(table.shape[1] - 1), pointer(lanes[ROW["SPIN"] : ROW["SPIN_SPEED"] + LANE])]
+        function(
+            pointer(self.assembly.plant), pointer(self.state), *parts, pointer(self.setpoint),
+            ctypes.c_long(len(self.setpoint)), ctypes.c_double(PERIOD * 1e-9), ctypes.c_double(self.step),
+        )  # fmt: skip
+        return self.motion()
+
+    def motion(self) -> list[float]:
+        """The state's values by MOTION."""
+        return [float(self.state[name][0]) for name in MOTION]

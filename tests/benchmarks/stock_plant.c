@@ -1,29 +1,20 @@
 /* The stock model's equations in plain C: averaged drive under a speed setpoint, rigid transmission, viscous and dry
  * friction, smoothed speed. The yardstick of bench_plant.py, written from the equations as one would by hand. */
-#include <math.h>
-
-typedef struct {
-    double inertia, torque_constant, viscous, dry, break_away;
-    double speed_gain, integral_time, integral_limit, anti_windup_time, torque_limit;
-    double control_cycle, current_lag, speed_smoothing;
-} plant_t;
-
-typedef struct {
-    double angle, speed, current, current_setpoint, integral, smoothed, phase;
-} state_t;
-
-static double limited(double value, double limit) { return value > limit ? limit : value < -limit ? -limit : value; }
+#include "by_hand.h"
 
 void advance(const plant_t *p, state_t *s, const double *setpoint, long rows, double interval, double step)
 {
-    double angle = s->angle, speed = s->speed, current = s->current, current_setpoint = s->current_setpoint;
-    double integral = s->integral, smoothed = s->smoothed, phase = s->phase;
+    double angle = s->motor_angle, speed = s->motor_speed, current = s->current;
+    double current_setpoint = s->current_setpoint, integral = s->integral, smoothed = s->smoothed_speed;
+    double phase = s->control_phase;
     const long steps = (long)ceil(interval / step - 1e-9);
     const double h = interval / steps;
     const double current_gain = 1.0 - exp(-h / p->current_lag);
     const double smoothing_gain = 1.0 - exp(-h / p->speed_smoothing);
-    const double gain = h / p->inertia, drag = 1.0 / (1.0 + gain * p->viscous);
-    const double sliding = gain * p->dry * drag, holding = gain * p->break_away * drag;
+    const double gain = h / (p->motor_inertia + p->output_inertia);
+    const double drag = 1.0 / (1.0 + gain * (p->motor_viscous + p->output_viscous));
+    const double sliding = gain * (p->motor_dry + p->output_dry) * drag;
+    const double holding = gain * (p->motor_break_away + p->output_break_away) * drag;
 
     for (long row = 1; row < rows; row++) {
         const double start = setpoint[row - 1], slope = setpoint[row] - start;
@@ -43,12 +34,11 @@ void advance(const plant_t *p, state_t *s, const double *setpoint, long rows, do
             angle += 0.5 * h * speed;
             const double before = speed;
             const double free_speed = (speed + gain * p->torque_constant * current) * drag;
-            const double limit = speed == 0.0 ? holding : sliding;
-            speed = free_speed > limit ? free_speed - sliding : free_speed < -limit ? free_speed + sliding : 0.0;
+            speed = after_dry_friction(free_speed, speed, sliding, holding);
             angle += 0.5 * h * speed;
             smoothed += smoothing_gain * (0.5 * (before + speed) - smoothed);
         }
     }
-    s->angle = angle, s->speed = speed, s->current = current, s->current_setpoint = current_setpoint;
-    s->integral = integral, s->smoothed = smoothed, s->phase = phase;
+    s->motor_angle = angle, s->motor_speed = speed, s->current = current, s->current_setpoint = current_setpoint;
+    s->integral = integral, s->smoothed_speed = smoothed, s->control_phase = phase;
 }

@@ -8,7 +8,7 @@ typedef struct {
     double u, v, w;
 } three_t; /* a value for each phase */
 
-typedef struct {
+typedef struct { /* the package's own record: plant/switching/layout.py */
     double pole_pairs, phase_resistance, phase_inductance, back_emf_constant, torque_constant, trapezoidal, torque_limit;
     double magnet_strength;
     three_t active_turns;

@@ -1,12 +1,7 @@
 /* The whole step of the switching drive with the planetary train in plain C: speed loop, hysteresis inverter, star
  * winding, acquisition, meshes, friction of teeth and bearings. The yardstick of bench_fidelities.py, written from the
- * equations as one would by hand for the model `polito_hff`: no faults, a rigid shaft, constant friction.
- * `records.h` holds the package's own records (plant_t, state_t and so on), which the benchmark writes out. */
-#define _GNU_SOURCE /* sincos */
-#include <math.h>
-#include <stdlib.h>
-
-#include "records.h"
+ * equations as one would by hand for the model `polito_hff`: no faults, a rigid shaft, constant friction. */
+#include "by_hand.h"
 
 enum { LANE = 4 }; /* three planets and an empty place, so that all fit one register */
 typedef double lane_t[LANE];
@@ -18,22 +13,11 @@ typedef struct {
 static const double TURN = 2.0 * 3.14159265358979323846;
 static const double HALF_ROOT_OF_THREE = 0.86602540378443864676;
 
-static inline double limited(double value, double limit)
-{
-    return value > limit ? limit : value < -limit ? -limit : value;
-}
-
 static inline double lag_gain(double step, double lag) { return lag > 0.0 ? 1.0 - exp(-step / lag) : 1.0; }
 
 static inline double comparator(double error, double hysteresis, double leg)
 {
     return error < -hysteresis ? 1.0 : error > hysteresis ? -1.0 : leg;
-}
-
-static inline double after_dry_friction(double free_speed, double speed, double sliding, double holding)
-{
-    const double limit = speed == 0.0 ? holding : sliding;
-    return free_speed > limit ? free_speed - sliding : free_speed < -limit ? free_speed + sliding : 0.0;
 }
 
 /* Force of a mesh over its dead zone; its damper acts while the teeth touch. */

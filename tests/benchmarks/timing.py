@@ -1,8 +1,11 @@
-"""Times of several calls side by side in one run: ratios, since machines differ and are noisy."""
+"""Times of several calls side by side in one run: ratios, since machines differ and are noisy; and of processes."""
 
 import math
+import subprocess
 import time
 from collections.abc import Callable
+
+import psutil
 
 
 def fastest(rounds: int, *calls: Callable[[], object]) -> list[float]:
@@ -14,3 +17,9 @@ def fastest(rounds: int, *calls: Callable[[], object]) -> list[float]:
             call()
             best[k] = min(best[k], time.process_time() - begin)
     return best
+
+
+def processor_time(process: subprocess.Popen) -> float:
+    """Seconds of a processor that a process has had."""
+    of = psutil.Process(process.pid).cpu_times()
+    return of.user + of.system

@@ -1,20 +1,7 @@
 /* The averaged drive with two inertias in plain C: speed loop, current lag, viscous and dry friction on both sides, a
  * spring with damper over a dead zone between them. The yardstick of bench_fidelities.py, written from the equations as
- * one would by hand. `records.h` holds the package's own records (plant_t, state_t), which the benchmark writes out. */
-#include <math.h>
-
-#include "records.h"
-
-static inline double limited(double value, double limit)
-{
-    return value > limit ? limit : value < -limit ? -limit : value;
-}
-
-static inline double after_dry_friction(double free_speed, double speed, double sliding, double holding)
-{
-    const double limit = speed == 0.0 ? holding : sliding;
-    return free_speed > limit ? free_speed - sliding : free_speed < -limit ? free_speed + sliding : 0.0;
-}
+ * one would by hand. */
+#include "by_hand.h"
 
 /* Integrates all rows under the speed setpoint. */
 void advance(const plant_t *p, state_t *s, const double *setpoint, long rows, double interval, double step)

@@ -8,6 +8,7 @@ import pytest
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.twin import Twin
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.recorded import driven
 
 CYCLE = 125_000  # ns, of the stock model's speed controller
 TORQUE_CONSTANT, SPEED_GAIN = 1.91, 0.2368
@@ -17,13 +18,6 @@ TORQUE_CONSTANT, SPEED_GAIN = 1.91, 0.2368
 def locked(frictionless):
     """Friction that no torque of the drive overcomes: the speed error is the setpoint."""
     return frictionless.with_effect("coulomb_friction", {"torque": 100.0, "static_ratio": 1.0})
-
-
-def driven(model, source, sample, count, period=CYCLE, first=None):
-    """(twin, rows) under a constant sample from a first one: rows is a dict of arrays (count + 1,)."""
-    twin = Twin(model, source)
-    rows = [twin.start(first or sample)] + [twin.advance(period, sample) for _ in range(count)]
-    return twin, {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
 def changed(model, **values):
@@ -146,14 +140,7 @@ def test_a_changing_current_takes_the_voltage_of_the_inductance(locked):
         ([("sun_runout", {"torque": 0.05})], 0.5 * math.pi, 0.25),
         ([("sun_runout", {"torque": 0.05})], -0.5 * math.pi, 0.15),
         # within the play the motor is held by its own friction alone
-        (
-            [
-                ("stribeck_friction", {"torque": 0.05, "speed": 2.0}),
-                ("backlash", {"width": 0.01}),
-            ],
-            0.0,
-            0.25,
-        ),
+        ([("stribeck_friction", {"torque": 0.05, "speed": 2.0}), ("backlash", {"width": 0.01})], 0.0, 0.25),
     ],
 )
 def test_a_shaft_breaks_away_at_its_static_level_and_what_effects_add(

@@ -12,6 +12,7 @@ from ema_twin_sim.simulation.compared_signals import noise_floors
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.twin import Twin
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.recorded import driven
 
 RATIO, TORQUE_CONSTANT, INERTIA = 124.0, 1.91, 7.7e-4 + 1.75e-6 + 1.0e-3
 
@@ -20,11 +21,6 @@ RATIO, TORQUE_CONSTANT, INERTIA = 124.0, 1.91, 7.7e-4 + 1.75e-6 + 1.0e-3
 def fine(stock):
     """Counters so fine that they show the angle itself."""
     return with_counts(stock, 1e12)
-
-
-@pytest.fixture(scope="module")
-def frictionless(fine):
-    return fine.without_effect("viscous_friction").without_effect("coulomb_friction")
 
 
 def with_counts(model, counts):
@@ -39,13 +35,10 @@ def with_stop(model, side, angle, stiffness, damping):
     return model.with_value("transmission.contact_damping", damping)
 
 
-def coasting(model, speed, count, period=25_000):
+def coasting(model, speed, count):
     """Rows of a twin without current or friction from a speed on: (time after the start, dict of arrays)."""
-    twin = Twin(model, "current")
-    twin.start({"current": 0.0, "speed": speed})
-    rows = [twin.advance(period, {"current": 0.0}) for _ in range(count)]
-    time = np.arange(1, count + 1) * period * 1e-9
-    return time, {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    _, rows = driven(model, "current", {"current": 0.0}, count, 25_000, {"current": 0.0, "speed": speed})
+    return np.arange(count + 1) * 25e-6, rows
 
 
 @pytest.mark.parametrize("origin", [0.0, 0.004, -0.004])
@@ -67,7 +60,7 @@ def test_an_end_stop_gives_way_by_torque_over_stiffness(frictionless, side, sign
 @pytest.mark.parametrize(("side", "sign"), [("upper", 1.0), ("lower", -1.0)])
 def test_an_end_stop_without_damping_throws_back_at_the_same_speed(frictionless, side, sign):
     model = with_stop(frictionless, side, sign * 0.005, 500.0, 0.0)
-    time, rows = coasting(model.with_value("sensors.speed_smoothing", 0.0), sign * 10.0, 6000)
+    time, rows = coasting(model, sign * 10.0, 6000)
     assert np.allclose(rows["speed"][time < 0.06], sign * 10.0)
     assert rows["speed"][-1] == pytest.approx(sign * -10.0, rel=5e-3)
     deepest = np.abs(rows["motor_position"]).max() - 0.005 * RATIO
@@ -117,16 +110,15 @@ def test_what_follows_an_angle_stands_at_the_counters_own(fine, side, effect, to
 @pytest.mark.parametrize("delay", [0.00006, 0.000125, 0.00019, 0.00103])
 def test_a_late_encoder_interpolates_between_control_cycles(frictionless, delay):
     """From rest under a constant torque it shows a (t - delay)^2 / 2, wherever in a control cycle the delay ends."""
-    twin = Twin(frictionless.with_effect("encoder_delay", {"delay": delay}), "current")
-    twin.start({"current": 1.0})
-    rows = [twin.advance(25_000, {"current": 1.0}) for _ in range(2000)]
-    time = np.arange(1, 2001) * 25e-6
+    _, rows = driven(
+        frictionless.with_effect("encoder_delay", {"delay": delay}), "current", {"current": 1.0}, 2000, 25_000
+    )
+    time = np.arange(2001) * 25e-6
     acceleration = TORQUE_CONSTANT / INERTIA / RATIO
     straight = acceleration * 125e-6**2 / 8.0  # what a straight line through two cycles misses of the parabola
     late = np.maximum(time - delay, 0.0)
     for name, shown, ratio in (("output_position", late, 1.0), ("motor_position", time, RATIO)):
-        found = np.array([row[name] for row in rows]) / ratio
-        assert np.abs(found - 0.5 * acceleration * shown**2).max() < 1.01 * straight, name
+        assert np.abs(rows[name] / ratio - 0.5 * acceleration * shown**2).max() < 1.01 * straight, name
 
 
 @pytest.mark.parametrize("delay", [0.00006, 0.00019, 0.00103])
@@ -151,12 +143,11 @@ def test_counters_show_the_nearest_whole_count(frictionless, speed):
 @pytest.mark.parametrize("smoothing", [0.004, 0.02])
 def test_the_reported_speed_is_smoothed_by_a_first_order_lag(frictionless, smoothing):
     """Of a ramp a t a lag shows a (t - T (1 - exp(-t / T)))."""
-    twin = Twin(frictionless.with_value("sensors.speed_smoothing", smoothing), "current")
-    twin.start({"current": 0.1})
-    shown = np.array([twin.advance(1_000_000, {"current": 0.1})["speed"] for _ in range(100)])
-    time = np.arange(1, 101) * 1e-3
+    model = frictionless.with_value("sensors.speed_smoothing", smoothing)
+    _, rows = driven(model, "current", {"current": 0.1}, 100, 1_000_000)
+    time = np.arange(101) * 1e-3
     expected = 0.1 * TORQUE_CONSTANT / INERTIA * (time - smoothing * (1.0 - np.exp(-time / smoothing)))
-    assert np.allclose(shown, expected, rtol=1e-3, atol=1e-4)
+    assert np.allclose(rows["speed"], expected, rtol=1e-3, atol=1e-4)
 
 
 def test_without_noise_the_floor_of_positions_is_that_of_their_counts(stock):

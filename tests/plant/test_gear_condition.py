@@ -5,7 +5,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from run_train import planetary_model, teeth_alone
 
 from ema_twin_sim.plant.planetary.layout import LANE, ROW
 from ema_twin_sim.plant.planetary.mesh_state import mesh_cycles, read_meshes
@@ -14,6 +13,7 @@ from ema_twin_sim.simulation.assembly import assemble
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.fidelity import resting_state
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.run_train import planetary_model, teeth_alone
 
 OUTPUT_TOOTH = 45.0 / 62.0
 SLOW_ORDERS = (0.25, OUTPUT_TOOTH, 0.75, 1.0, 2.0 * OUTPUT_TOOTH, 1.5, 2.25)

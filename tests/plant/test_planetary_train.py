@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from run_train import planetary_model, run, teeth_alone
 
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.plant.planetary.geometry import Gearing
@@ -12,6 +11,7 @@ from ema_twin_sim.plant.planetary.mesh_table import mean_stiffness, mesh_table
 from ema_twin_sim.plant.planetary.position_balance import all_positions, position_balance
 from ema_twin_sim.plant.planetary.quasi_static import static_forces
 from ema_twin_sim.simulation.twin import Twin
+from tests.run_train import planetary_model, run, teeth_alone
 
 KT = 1.91
 TURN = 2.0 * np.pi

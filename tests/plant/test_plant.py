@@ -12,6 +12,7 @@ from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.twin import Twin
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.recorded import driven
 
 MICROSECOND = 1_000
 
@@ -23,10 +24,8 @@ def inertias(model):
 
 def under_current(model, current, speed, seconds, period=100 * MICROSECOND):
     """Rows of a twin driven by a constant current [A] from a speed [rad/s]: dict of arrays, one value a period."""
-    twin = Twin(model, "current")
-    first = twin.start({"current": current, "speed": speed})
-    rows = [first] + [twin.advance(period, {"current": current}) for _ in range(round(seconds * 1e9 / period))]
-    return {name: np.array([row[name] for row in rows]) for name in first}
+    count = round(seconds * 1e9 / period)
+    return driven(model, "current", {"current": current}, count, period, {"current": current, "speed": speed})[1]
 
 
 def test_viscous_friction_alone_makes_speed_decay_exponentially(frictionless):
@@ -48,14 +47,6 @@ def test_dry_friction_alone_stops_the_shaft_after_a_known_time_and_way_and_holds
     assert np.ptp(rows["motor_position"][stop + 1 :]) == 0.0
 
 
-@pytest.mark.parametrize(("share", "moves"), [(0.99, False), (1.01, True)])
-def test_a_shaft_at_rest_breaks_away_at_its_static_level_only(frictionless, share, moves):
-    model = frictionless.with_effect("coulomb_friction", {"torque": 0.1, "static_ratio": 2.0})
-    current = share * 0.2 / model.value("machine.torque_constant")
-    rows = under_current(model, current, 0.0, 0.05)
-    assert bool(rows["speed"].any()) is moves
-
-
 def test_power_balances(stock):
     """Electrical work into the shaft is kinetic energy plus what friction took."""
     model = stock.with_value("sensors.speed_smoothing", 0.0)
@@ -69,12 +60,9 @@ def test_power_balances(stock):
 
 
 def two_inertia(model, stiffness, damping=0.0):
-    from dataclasses import replace
-
     model = replace(model, kinds={**model.kinds, "transmission": "two_inertia"})
-    return model.with_value("transmission.contact_stiffness", stiffness).with_value(
-        "transmission.contact_damping", damping
-    )
+    model = model.with_value("transmission.contact_stiffness", stiffness)
+    return model.with_value("transmission.contact_damping", damping)
 
 
 def test_two_inertias_swing_at_their_natural_frequency_and_keep_their_energy(frictionless):
@@ -134,8 +122,7 @@ def test_the_gap_lets_the_output_trail_by_its_half_width(stock):
 
 
 @pytest.mark.parametrize(
-    ("command", "first"),
-    [("ramp:0.05", 1.5), ("ramp:-0.05", 1.5), ("sine:0.05:0.25", 4.5), ("triangle:0.04:2", 2.9)],
+    ("command", "first"), [("ramp:0.05", 1.5), ("ramp:-0.05", 1.5), ("sine:0.05:0.25", 4.5), ("triangle:0.04:2", 2.9)]
 )
 def test_a_recording_cut_in_mid_motion_begins_with_the_output_driven_along(stock, command, first):
     model = stock.with_effect("backlash", {"width": 0.004})

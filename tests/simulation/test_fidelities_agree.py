@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from run_train import planetary_model
 
 from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.assembly import assemble
@@ -10,6 +9,7 @@ from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.fidelities import LONGEST
+from tests.run_train import planetary_model
 
 pytestmark = pytest.mark.timeout(LONGEST)
 

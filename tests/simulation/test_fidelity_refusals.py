@@ -64,10 +64,7 @@ def test_inertias_below_zero_are_refused(tmp_path, ramp):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "words"),
-    [
-        ("polito_hff", "teeth are too stiff for its wheels"),
-        ("polito_hf", "leave their hysteresis band"),
-    ],
+    [("polito_hff", "teeth are too stiff for its wheels"), ("polito_hf", "leave their hysteresis band")],
 )
 def test_a_step_too_long_is_refused_with_the_longest(ramp, name, words):
     line = refused("compare", ramp, "--model", name, "--to", 1, "--step", 1e-4, naming=(name, words, "s at most"))

@@ -160,22 +160,14 @@ def _bend(lanes, h, rigid):
     """Compute the bristles' torques in a step: before the shafts move, as in the kernel."""
     for m in range(LANE):
         lanes[BRISTLE + m], lanes[BENT + m] = bristle_step(
-            lanes[BRISTLE + m],
-            lanes[SPEED + m],
-            lanes[LEVEL + m],
-            lanes[BRISTLE_STIFFNESS + m],
-            lanes[BRISTLE_DAMPING + m],
-            h,
-        )
+            lanes[BRISTLE + m], lanes[SPEED + m], lanes[LEVEL + m], lanes[BRISTLE_STIFFNESS + m],
+            lanes[BRISTLE_DAMPING + m], h,
+        )  # fmt: skip
         if not rigid:
             lanes[OUTPUT_BRISTLE + m], lanes[OUTPUT_BENT + m] = bristle_step(
-                lanes[OUTPUT_BRISTLE + m],
-                lanes[OUTPUT_SPEED + m],
-                lanes[OUTPUT_LEVEL + m],
-                lanes[OUTPUT_BRISTLE_STIFFNESS + m],
-                lanes[OUTPUT_BRISTLE_DAMPING + m],
-                h,
-            )
+                lanes[OUTPUT_BRISTLE + m], lanes[OUTPUT_SPEED + m], lanes[OUTPUT_LEVEL + m],
+                lanes[OUTPUT_BRISTLE_STIFFNESS + m], lanes[OUTPUT_BRISTLE_DAMPING + m], h,
+            )  # fmt: skip
 
 
 @inlined
@@ -229,15 +221,7 @@ def _two_inertia_step(lanes, h, load):
 
 
 @njit(
-    void(
-        PLANTS,
-        STATES,
-        int64,
-        STAMPS,
-        types.Array(float64, 2, "C", readonly=True),
-        float64[:, :, ::1],
-        float64,
-    ),
+    void(PLANTS, STATES, int64, STAMPS, types.Array(float64, 2, "C", readonly=True), float64[:, :, ::1], float64),
     cache=True,
     nogil=True,
     error_model="numpy",
@@ -294,15 +278,10 @@ def advance_many(plants, states, source, stamps, bench, twins, step):
                     setpoint = start + slope * (k / steps) + slope * (control_cycle / interval)
                     for m in range(LANE):
                         controller = Controller(
-                            lanes[CONTROL_CYCLE + m],
-                            lanes[CURRENT_LIMIT + m],
-                            lanes[TORQUE_LIMIT + m],
-                            lanes[NOMINAL_TORQUE_CONSTANT + m],
-                            lanes[SPEED_GAIN + m],
-                            lanes[INTEGRAL_TIME + m],
-                            lanes[INTEGRAL_LIMIT + m],
-                            lanes[ANTI_WINDUP_TIME + m],
-                        )
+                            lanes[CONTROL_CYCLE + m], lanes[CURRENT_LIMIT + m], lanes[TORQUE_LIMIT + m],
+                            lanes[NOMINAL_TORQUE_CONSTANT + m], lanes[SPEED_GAIN + m], lanes[INTEGRAL_TIME + m],
+                            lanes[INTEGRAL_LIMIT + m], lanes[ANTI_WINDUP_TIME + m],
+                        )  # fmt: skip
                         lanes[AMPERES_WANTED + m], lanes[INTEGRAL + m] = speed_controller(
                             controller, setpoint - lanes[SPEED + m], lanes[INTEGRAL + m], True
                         )

@@ -12,26 +12,12 @@ from numba import boolean, float64, int64, njit, void
 from .evaluate import evaluate
 from .friction import bristle_share, bristle_step
 from .layout import DRY_LEVEL, VISCOUS_COEFFICIENT
-from .motion import ACCELERATION, LOAD, MOTION, MOTOR_ANGLE, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
+from .motion import ACCELERATION, LOAD, MOTION, MOTOR_ANGLE, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME  # noqa: F401
 from .operating_point import OperatingPoint, call_effect
 from .output_side import first_output_angle, longest_substep, output_side, output_step, sign
 from .signatures import EFFECTS, PLANTS, TABLE
 from .time_steps import steps_in
 from .transmission import end_stop_torque, response
-
-__all__ = [
-    "ACCELERATION",
-    "LOAD",
-    "MOTION",
-    "MOTOR_ANGLE",
-    "MOTOR_CURRENT",
-    "OUTPUT_ANGLE",
-    "REQUIRED",
-    "SPEED",
-    "TIME",
-    "inverse_dynamics",
-    "inverse_dynamics_of",
-]
 
 REQUIRED = ("torque", "output", "transmitted", "dry_level")
 """Columns required for a motion: torque [N m] without the motor's own inertia, output angle [rad, slow shaft],

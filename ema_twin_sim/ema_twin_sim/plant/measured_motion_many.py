@@ -25,7 +25,7 @@ LANES = 40 * LANE
 """Length of the flat array of lanes: the first quantity of all models comes first."""
 
 (
-    # output side (OutputSide)
+    # output side, as the fields of OutputSide follow each other
     INERTIA,
     VISCOUS,
     DRY,
@@ -79,17 +79,8 @@ def _load_lanes(plants, motion, seen, lanes):
     for m in range(LANE):
         plant = plants[m]
         side = output_side(plant)
-        lanes[INERTIA + m] = side.inertia
-        lanes[VISCOUS + m] = side.viscous
-        lanes[DRY + m] = side.dry
-        lanes[GAP + m] = side.gap
-        lanes[ASYMMETRY + m] = side.asymmetry
-        lanes[STIFFNESS + m] = side.stiffness
-        lanes[DAMPING + m] = side.damping
-        lanes[BRISTLE_STIFFNESS + m] = side.bristle_stiffness
-        lanes[BRISTLE_DAMPING + m] = side.bristle_damping
-        lanes[PULL + m] = side.pull
-        lanes[BRAKE + m] = side.brake
+        for k in range(len(side)):
+            lanes[k * LANE + m] = side[k]
         lanes[SUBSTEP + m] = longest_substep(side)
         lanes[RATIO + m] = plant.gear_ratio
         lanes[VISCOUS_OF_MOTOR + m] = plant.motor_viscous
@@ -121,18 +112,10 @@ def _output_steps(lanes, k, speed_before):
     """Step ``k`` of every output whose interval has so many steps."""
     for m in range(LANE):
         side = OutputSide(
-            lanes[INERTIA + m],
-            lanes[VISCOUS + m],
-            lanes[DRY + m],
-            lanes[GAP + m],
-            lanes[ASYMMETRY + m],
-            lanes[STIFFNESS + m],
-            lanes[DAMPING + m],
-            lanes[BRISTLE_STIFFNESS + m],
-            lanes[BRISTLE_DAMPING + m],
-            lanes[PULL + m],
-            lanes[BRAKE + m],
-        )
+            lanes[INERTIA + m], lanes[VISCOUS + m], lanes[DRY + m], lanes[GAP + m], lanes[ASYMMETRY + m],
+            lanes[STIFFNESS + m], lanes[DAMPING + m], lanes[BRISTLE_STIFFNESS + m], lanes[BRISTLE_DAMPING + m],
+            lanes[PULL + m], lanes[BRAKE + m],
+        )  # fmt: skip
         h = lanes[H + m]
         motor_speed = speed_before + lanes[SLOPE + m] * (k + 0.5)
         seen = lanes[SEEN + m] - lanes[ZERO + m] + (k + 0.5) * h * lanes[SEEN_SPEED + m]

@@ -23,6 +23,7 @@ from ..plant.output_side import LOW_SPEED
 from ..plant.sensors import as_encoder_shows
 from .angle_origins import origins_of
 from .assembly import assemble
+from .required import twin_of
 
 WIDTH = 2.5  # samples over which the motor's counter is smoothed for its speed
 MARGIN = 12  # samples; the smoothing does not reach farther
@@ -119,19 +120,12 @@ def twin_behind_motor(model: Model, recording: Recording) -> Recording:
             "the same instants"
         )
     output -= np.nanmean(output - recording.signals["output_position"])
-    return Recording(
-        name=recording.name,
-        stamps=recording.stamps,
-        signals={
-            "motor_position": recording.signals["motor_position"],
-            "output_position": output,
-            "speed": np.interp(told.time, time, speed) / units.time,
-        },
-        start=recording.start,
-        motor_angle_origin=recording.motor_angle_origin,
-        output_angle_origin=recording.output_angle_origin,
-        metadata={"model": model.name},
-    )
+    signals = {
+        "motor_position": recording.signals["motor_position"],
+        "output_position": output,
+        "speed": np.interp(told.time, time, speed) / units.time,
+    }
+    return twin_of(recording, model, signals)
 
 
 def _even(recording: Recording) -> tuple[np.ndarray, np.ndarray]:

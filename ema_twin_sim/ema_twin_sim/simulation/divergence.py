@@ -43,11 +43,8 @@ def states_of(state: np.ndarray, fine: Fine, parts: FineParts) -> States:
             found[f"the speed of planet {planet + 1}"] = (speed, _FASTEST, "rad/s")
     if parts.switching:
         for phase in "uvw":
-            found[f"the current of phase {phase}"] = (
-                fine.winding_states[0][f"phase_current_{phase}"],
-                _MOST_CURRENT,
-                "A",
-            )
+            current = fine.winding_states[0][f"phase_current_{phase}"]
+            found[f"the current of phase {phase}"] = (current, _MOST_CURRENT, "A")
     return found
 
 

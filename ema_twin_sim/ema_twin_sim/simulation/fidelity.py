@@ -127,7 +127,10 @@ def _changing(state: np.ndarray, fine: Fine) -> tuple[np.ndarray, ...]:
 
 
 def set_in_motion(fine: Fine, parts: FineParts, speed: float, current: float, angle: float) -> None:
-    """Let a resting train turn with the motor at ``speed`` [rad/s]; set the windings' ``current`` [A] at ``angle``."""
+    """Let a resting train turn with the motor at ``speed`` [rad/s].
+
+    Set the phase currents for a quadrature ``current`` [A] at the motor's ``angle`` [rad].
+    """
     if parts.planetary:
         of = fine.trains[0]
         carrier = speed * of["sun_radius"] / (of["sun_radius"] + of["ring_radius"])
@@ -135,24 +138,13 @@ def set_in_motion(fine: Fine, parts: FineParts, speed: float, current: float, an
         fine.train_states["carrier_speed"] = carrier
         fine.lanes[ROW["SPIN_SPEED"] :][:PLANETS] = carrier * (1.0 - of["ring_radius"] / of["planet_radius"])
     if parts.switching:
-        start_current(fine.windings[0], fine.winding_states[0], current, angle, speed)
-
-
-def start_current(winding: np.void, state: np.void, current: float, angle: float, speed: float) -> None:
-    """Set the phase currents for a quadrature ``current`` [A] at the motor's ``angle`` [rad]."""
-    shift = winding["pole_pairs"] * angle
-    peak = current * phase_amplitude.py_func(_Named(winding))
-    for k, phase in enumerate("uvw"):
-        state[f"phase_current_{phase}"] = peak * math.sin(shift - k * TURN / 3.0)
-    state["quadrature_current"] = current
-    state["quadrature_voltage"] = winding["back_emf_constant"] * speed + winding["phase_resistance"] * peak
-
-
-class _Named:
-    """A record's fields as attributes, as compiled code reads them."""
-
-    def __init__(self, record: np.void) -> None:
-        self.__dict__.update({name: record[name] for name in record.dtype.names or ()})
+        winding, state = fine.windings.view(np.recarray)[0], fine.winding_states
+        shift = winding["pole_pairs"] * angle
+        peak = current * phase_amplitude.py_func(winding)
+        for k, phase in enumerate("uvw"):
+            state[f"phase_current_{phase}"] = peak * math.sin(shift - k * TURN / 3.0)
+        state["quadrature_current"] = current
+        state["quadrature_voltage"] = winding["back_emf_constant"] * speed + winding["phase_resistance"] * peak
 
 
 def _ones(kind: np.dtype) -> np.ndarray:
@@ -200,9 +192,7 @@ def _gearing(place: str, numbers: tuple[tuple[str, float], ...]) -> Gearing:
     return Gearing(**dict(numbers), place=place)  # type: ignore[arg-type]
 
 
-@lru_cache(maxsize=32)
-def _table(gearing: Gearing, kind: str, youngs_modulus_ratio: float) -> np.ndarray:
-    return mesh_table(gearing, kind, youngs_modulus_ratio)
+_table = lru_cache(maxsize=32)(mesh_table)
 
 
 def inertia_of(model: Model, gearing: Gearing) -> TrainInertia:

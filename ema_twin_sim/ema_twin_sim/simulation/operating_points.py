@@ -17,7 +17,7 @@ from ..model import Model
 from ..plant.measured_motion import MOTION, MOTOR_ANGLE, MOTOR_CURRENT, SPEED
 from ..reading_noise import reading_noise
 from .assembly import assemble
-from .required import required_torque
+from .required import required_torque, twin_of
 
 HOLDING = 1e-6  # of the fastest point's speed, assigned to a point at rest: only its sign, the way of approach, acts
 STILL = 1e-3  # share of the fastest point's speed: a slower shaft is at rest where the way it was approached is known
@@ -48,17 +48,14 @@ def motion_at_points(recording: Recording, model: Model) -> np.ndarray:
         )
     nothing = np.zeros(len(recording))
     position = recording.signals.get("motor_position", nothing)
-    speed = directed(recording, model.value("sensors.speed_noise")).signals["speed"]
-    output = recording.signals.get("output_position", position / model.value("machine.gear_ratio"))
-    load = recording.signals.get("load_torque", nothing)
     columns = dict(
         time=recording.time,
         motor_angle=position,
-        speed=speed,
+        speed=directed(recording, model.value("sensors.speed_noise")).signals["speed"],
         acceleration=nothing,
         current=recording.signals["current"],
-        output_angle=output,
-        load=load,
+        output_angle=recording.signals.get("output_position", position / model.value("machine.gear_ratio")),
+        load=recording.signals.get("load_torque", nothing),
     )
     return np.stack([columns[name] for name in MOTION], axis=1)
 
@@ -132,17 +129,13 @@ def twin_at_points(model: Model, recording: Recording) -> Recording:
     more = _required(model, recording, motion) - without
     by_current = np.divide(more, current, out=np.zeros(len(current)), where=current != 0.0)
     angle = motion[:, MOTOR_ANGLE]
-    return replace(
-        recording,
-        signals={
-            "current": without / (plant["torque_constant"] - by_current),  # effects may be proportional to it
-            "speed": motion[:, SPEED],
-            "motor_position": angle,
-            "output_position": angle / plant["gear_ratio"],
-        },
-        metadata={"model": model.name},
-        warnings=(),
-    )
+    signals = {
+        "current": without / (plant["torque_constant"] - by_current),  # effects may be proportional to it
+        "speed": motion[:, SPEED],
+        "motor_position": angle,
+        "output_position": angle / plant["gear_ratio"],
+    }
+    return twin_of(recording, model, signals)
 
 
 def doubled(motion: np.ndarray) -> np.ndarray:

@@ -42,7 +42,12 @@ class Sensors:
     def balance(self) -> float:
         """Noise of the unexplained torque."""
         motion = self.speed if self.has_speed else counter_noise(self.model, "motor")
-        return _balance_noise(self.model, self.current, motion, self.has_speed, self.period)
+        plant = assemble(self.model).plant
+        by_current, by_motion = (
+            balance_response(plant, np.zeros(1, STATE), self.period, self.has_speed, of_current, _SETTLED)
+            for of_current in (True, False)
+        )
+        return math.hypot(self.current * float(np.linalg.norm(by_current)), motion * float(np.linalg.norm(by_motion)))
 
 
 def counter_noise(model: Model, side: str) -> float:
@@ -54,10 +59,3 @@ def counter_noise(model: Model, side: str) -> float:
 
 def _count(model: Model, side: str) -> float:
     return model.turn / model.value(f"sensors.{side}_encoder_counts")
-
-
-def _balance_noise(model: Model, current: float, motion: float, has_speed: bool, period: float) -> float:
-    plant = assemble(model).plant
-    by_current = balance_response(plant, np.zeros(1, STATE), period, has_speed, True, _SETTLED)
-    by_motion = balance_response(plant, np.zeros(1, STATE), period, has_speed, False, _SETTLED)
-    return math.hypot(current * float(np.linalg.norm(by_current)), motion * float(np.linalg.norm(by_motion)))

@@ -20,6 +20,7 @@ from .behind_motor import of_encoders_alone, twin_behind_motor
 from .dc_link_check import refuse_recording_beyond_link
 from .long_gaps import refuse_long_gaps
 from .operating_points import twin_at_points
+from .required import twin_of
 from .twin import Twin
 
 DRIVING = {"setpoint": "speed_setpoint", "current": "current", "command": "output_command"}
@@ -30,8 +31,6 @@ POINTWISE = "motion"
 
 BY_MOTOR = "motor"
 """The input for a recording of two encoders only: the motor's measured motion drives the twin's output."""
-
-_TWIN_INPUT = {"command": "standalone"}  # a twin that follows a recorded command runs standalone
 
 
 def choose_input(recording: Recording, model: Model, wanted: str | None = None) -> str:
@@ -127,7 +126,7 @@ def simulate(
     for rows in _by_pieces(model, recording, chosen, step):
         signals.add(rows)
         progress(signals.size / len(recording))
-    return _of_twin(model, recording, signals.finish())
+    return twin_of(recording, model, signals.finish())
 
 
 def bench_of(recording: Recording, second: float = 1.0) -> np.ndarray:
@@ -141,9 +140,7 @@ def bench_of(recording: Recording, second: float = 1.0) -> np.ndarray:
 
 def _bench_rows(recording: Recording, rows: slice) -> np.ndarray:
     absent = np.full(rows.stop - rows.start, math.nan)
-    return np.column_stack(
-        [recording.signals[name][rows] if recording.has(name) else absent for name in BENCH],
-    )
+    return np.column_stack([recording.signals[name][rows] if recording.has(name) else absent for name in BENCH])
 
 
 def _by_pieces(model: Model, recording: Recording, chosen: str, step: float | None) -> Iterator[np.ndarray]:
@@ -196,7 +193,7 @@ def started(model: Model, recording: Recording, bench: np.ndarray, chosen: str, 
             "or choose --input current"
         )
     refuse_recording_beyond_link(model, recording, chosen)
-    twin = Twin(model, _TWIN_INPUT.get(chosen, chosen), step=step, switchable=False)
+    twin = Twin(model, "standalone" if chosen == "command" else chosen, step=step, switchable=False)
     first = dict(zip(BENCH, bench[0], strict=True))
     twin.start(first, recording.motor_angle_origin, recording.output_angle_origin)
     return twin
@@ -216,16 +213,4 @@ def followed(twin: Twin, recording: Recording, bench: np.ndarray, rows: slice = 
 def seen(model: Model, recording: Recording, rows: np.ndarray) -> Recording:
     """A twin's rows (n, signals, ``layout.TWIN``) as a recording of its own."""
     signals = {name: rows[:, k] for k, name in enumerate(TWIN) if not np.isnan(rows[1:, k]).all()}
-    return _of_twin(model, recording, signals)
-
-
-def _of_twin(model: Model, recording: Recording, signals: dict[str, np.ndarray]) -> Recording:
-    return Recording(
-        name=recording.name,
-        stamps=recording.stamps,
-        signals=signals,
-        start=recording.start,
-        motor_angle_origin=recording.motor_angle_origin,
-        output_angle_origin=recording.output_angle_origin,
-        metadata={"model": model.name},
-    )
+    return twin_of(recording, model, signals)

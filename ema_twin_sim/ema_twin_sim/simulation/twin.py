@@ -40,13 +40,11 @@ from .angle_origins import angle_origins
 from .assembly import Assembly, assemble
 from .divergence import States, looks_lost, refuse_divergence, states_of
 from .driving_flank import begin_behind_measured_motion, lead
-from .fidelity import DEFAULT_STEP, kept, own_step, resting_state, restored, set_in_motion, usual_step, with_parts
+from .fidelity import kept, own_step, resting_state, restored, set_in_motion, usual_step, with_parts
 from .inside import Energies, Wheels, energies, wheels
 from .longest_step import SAFE, longest_step, refuse_long_step
 from .switchable import switchable as with_all_effects
 from .unknown_controller import control_cycle, without_controller
-
-__all__ = ["DEFAULT_STEP", "ParameterDescription", "Twin"]
 
 ROWS_AT_A_TIME = 500
 """Samples after which a simulation that diverges is stopped."""
@@ -151,10 +149,7 @@ class Twin:
         self._take(self._model.with_settings(settings))
 
     def start(
-        self,
-        sample: Mapping[str, float],
-        motor_angle_origin: float = math.nan,
-        output_angle_origin: float = math.nan,
+        self, sample: Mapping[str, float], motor_angle_origin: float = math.nan, output_angle_origin: float = math.nan
     ) -> dict[str, float]:
         """Start from a run's first sample and return the twin's signals there.
 

@@ -119,12 +119,10 @@ class _Told:
         self.start = float(random.uniform(-3.0, 3.0)), float(random.uniform(-1.0, 1.0))
 
     def _unit(self, signal: str, random: np.random.Generator) -> str:
-        if self.case.plain:
-            return next(iter(UNITS[QUANTITY[signal]]))
+        units = list(UNITS[QUANTITY[signal]])
         wrong = {"deg as rad": "position", "rpm as rad/s": "speed", "ms as s": "time"}.get(self.case.mistake)
-        if wrong == QUANTITY[signal] or ("A" in self.case.mistake and signal == "current"):
-            return next(iter(UNITS[QUANTITY[signal]]))
-        return str(random.choice(list(UNITS[QUANTITY[signal]])))
+        misread = wrong == QUANTITY[signal] or ("A" in self.case.mistake and signal == "current")
+        return units[0] if self.case.plain or misread else str(random.choice(units))
 
     def _name(self, signal: str, random: np.random.Generator) -> str:
         if self.case.plain:

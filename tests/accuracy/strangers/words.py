@@ -12,17 +12,8 @@ NAMES: dict[str, dict[str, Sequence[str]]] = {
     "english": {
         "time": ("time", "Time", "t", "timestamp", "elapsed time"),
         "motor_position": (
-            *(
-                "motor position",
-                "motor angle",
-                "position",
-                "angle",
-                "pos",
-                "MotorPos",
-                "rotor angle",
-                "actual position",
-            ),
-            *("motor_pos", "encoder", "motor encoder", "shaft angle", "act_pos", "theta_motor"),
+            *("motor position", "motor angle", "position", "angle", "pos", "MotorPos", "rotor angle"),
+            *("actual position", "motor_pos", "encoder", "motor encoder", "shaft angle", "act_pos", "theta_motor"),
         ),
         "speed": (
             *("motor speed", "speed", "velocity", "vel", "ActualVelocity", "rotor speed", "motor_vel", "omega"),
@@ -35,16 +26,8 @@ NAMES: dict[str, dict[str, Sequence[str]]] = {
         "motor_torque": ("torque", "motor torque", "Torque actual", "shaft torque", "drive torque"),
         "current": ("current", "motor current", "iq", "i_q", "Iq actual", "q current", "cur", "MotorCurrent", "i_act"),
         "output_position": (
-            *(
-                "output position",
-                "load angle",
-                "link angle",
-                "joint position",
-                "LoadPos",
-                "arm angle",
-                "output encoder",
-            ),
-            *("load_pos", "gear output angle", "secondary encoder"),
+            *("output position", "load angle", "link angle", "joint position", "LoadPos", "arm angle"),
+            *("output encoder", "load_pos", "gear output angle", "secondary encoder"),
         ),
     },
     "german": {
@@ -58,16 +41,8 @@ NAMES: dict[str, dict[str, Sequence[str]]] = {
         "motor_torque": ("Drehmoment", "Moment", "M_ist", "Motormoment", "Momentenistwert"),
         "current": ("Strom", "Motorstrom", "i_ist", "Iststrom", "Strom q", "i_q_ist", "Stromistwert"),
         "output_position": (
-            *(
-                "Abtriebswinkel",
-                "Lastlage",
-                "Lastwinkel",
-                "Winkel Abtrieb",
-                "Abtriebslage",
-                "Lage Last",
-                "Geber Abtrieb",
-            ),
-            *("phi_Last", "Armwinkel"),
+            *("Abtriebswinkel", "Lastlage", "Lastwinkel", "Winkel Abtrieb", "Abtriebslage", "Lage Last"),
+            *("Geber Abtrieb", "phi_Last", "Armwinkel"),
         ),
     },
     "symbols": {
@@ -83,11 +58,7 @@ NAMES: dict[str, dict[str, Sequence[str]]] = {
 """Names of each signal by language."""
 
 UNITS: dict[str, dict[str, tuple[float, Sequence[str]]]] = {
-    "time": {
-        "s": (1.0, ("s", "sec", "Sek")),
-        "ms": (1e-3, ("ms", "msec")),
-        "us": (1e-6, ("us", "µs", "μs")),
-    },
+    "time": {"s": (1.0, ("s", "sec", "Sek")), "ms": (1e-3, ("ms", "msec")), "us": (1e-6, ("us", "µs", "μs"))},
     "position": {
         "rad": (1.0, ("rad",)),
         "deg": (math.pi / 180.0, ("deg", "°", "Grad")),

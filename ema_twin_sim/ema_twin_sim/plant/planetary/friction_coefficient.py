@@ -61,10 +61,7 @@ def friction_coefficient(law, constant, line_load, sum_speed, curvature_radius, 
 
 
 def dynamic_viscosity(
-    temperature: float,
-    slope: float = WALTHER_SLOPE,
-    level: float = WALTHER_LEVEL,
-    density: float = DENSITY,
+    temperature: float, slope: float = WALTHER_SLOPE, level: float = WALTHER_LEVEL, density: float = DENSITY
 ) -> float:
     """Dynamic viscosity [Pa s] of the lubricant at a ``temperature`` [K], after Walther, as in the thesis's script.
 

@@ -35,11 +35,7 @@ class PositionBalance:
 
 
 def position_balance(
-    gearing: Gearing,
-    table: Array,
-    coefficients: Array,
-    load: float,
-    positions: Array,
+    gearing: Gearing, table: Array, coefficients: Array, load: float, positions: Array
 ) -> PositionBalance:
     """Balance while the sun turns slowly forwards against ``load`` [N m at the fast shaft]; negative loads drive.
 

@@ -153,12 +153,7 @@ def balance(
 
 
 def efficiencies(
-    gearing: Gearing,
-    table: Array,
-    friction: ToothFriction,
-    torques: Array,
-    speeds: Array,
-    output_drives: bool = False,
+    gearing: Gearing, table: Array, friction: ToothFriction, torques: Array, speeds: Array, output_drives: bool = False
 ) -> Array:
     """Efficiency (torques, speeds) over driving torques [N m] and speeds of the sun [rad/s] (``balance``)."""
     return np.array(
