@@ -16,14 +16,7 @@ from ..listing import listed
 from ..quantities import quantity
 from ..words.sentences import effect_words, fit_sentences
 from . import options
-from .live_error import LINES_ARE, ErrorPrinter
-from .live_view import LiveView
 from .output import console, say, status, warn
-from .report_page import fitting_moved, weighed, write_page
-from .rerun_file import write_rrd
-from .shown_comparison import show_comparison
-from .shown_fit import errors_table
-from .shown_search import show_search
 
 if TYPE_CHECKING:
     from ..discovery.discover import Discovery
@@ -66,6 +59,13 @@ def run(
     from ..views.rerun_view import RerunView
     from ..views.screen import open_viewer
     from ..words.fit_findings import fit_findings_of
+    from .live_error import LINES_ARE, ErrorPrinter
+    from .live_view import LiveView
+    from .report_page import fitting_moved, weighed, write_page
+    from .rerun_file import write_rrd
+    from .shown_comparison import show_comparison
+    from .shown_fit import errors_table
+    from .shown_search import show_search
 
     begin = time.perf_counter()
     root = checkout()

@@ -15,7 +15,6 @@ from ..words.sentences import (
 )
 from . import options
 from .output import console, say, status
-from .shown_search import show_doubts
 from .tables import ReportTable, is_narrow
 
 if TYPE_CHECKING:
@@ -51,14 +50,11 @@ def run(
     Several effects may be missing at once; each has its own probability. diagnose writes no model: use discover for
     that.
     """
-    from .inputs import input_files, refuse_evidence, refuse_existing, refuse_inputs
+    from .inputs import check_outputs, input_files
     from .judged import read_judged, warn_of, write_evidence_bag, write_findings
-    from .rerun_file import check_rrd_name, tell_of_rrd, write_rrd
 
-    refuse_inputs(input_files(runs, [model], import_map, with_files), json, evidence, rrd)
-    refuse_evidence(evidence)
-    check_rrd_name(rrd)
-    refuse_existing(force, evidence, rrd)
+    inputs = input_files(runs, [model], import_map, with_files)
+    check_outputs(inputs, force, json=json, evidence=evidence, rrd=rrd)
 
     from ..discovery.diagnose import weigh
     from ..discovery.discover import discover
@@ -73,6 +69,8 @@ def run(
             progress("writing the evidence")
             write_evidence_bag(found, given.recordings, evidence, force=force)
         if rrd is not None:
+            from .rerun_file import tell_of_rrd, write_rrd
+
             progress("writing the views")
             both = (given.model, found.model)
             labels = (given.model.name, "with the effects found")
@@ -92,6 +90,8 @@ def run(
 
 def show(diagnosis: Diagnosis, motion: str = "rotary") -> None:
     """Print the ranking and what is in doubt."""
+    from .shown_search import show_doubts
+
     table = ReportTable("\nWhat the model may lack")
     table.words("effect")
     table.numbers("probability", justify="left")

@@ -11,7 +11,6 @@ import typer
 
 from . import options
 from .output import say, status, unfolded
-from .shown_search import show_doubts, show_search
 
 EXAMPLES = """Examples:
 
@@ -49,20 +48,14 @@ def run(
     explains what is left.
     """
     from ..model import save_model
-    from ..model.model_file import check_model_name
-    from .inputs import input_files, refuse_evidence, refuse_existing, refuse_inputs
+    from .inputs import check_outputs, input_files
     from .judged import read_judged, warn_of, write_evidence_bag, write_findings
-    from .report_page import check_page_name, weighed, write_page
-    from .rerun_file import check_rrd_name, tell_of_rrd, write_rrd
 
-    refuse_inputs(input_files(runs, [model], import_map, with_files), output, json, evidence, report, rrd)
-    check_model_name(output)
-    refuse_evidence(evidence)
-    check_page_name(report)
-    check_rrd_name(rrd)
-    refuse_existing(force, output, evidence, report, rrd)
+    inputs = input_files(runs, [model], import_map, with_files)
+    check_outputs(inputs, force, model=output, json=json, evidence=evidence, page=report, rrd=rrd)
 
     from ..discovery.discover import discover
+    from .shown_search import show_doubts, show_search
 
     given = read_judged(runs, model, with_files, without, import_map=import_map, start=start, end=end, strict=strict)
     with status() as progress:
@@ -73,12 +66,16 @@ def run(
             write_evidence_bag(found, found.given, evidence, force=force)
         both, labels, findings = (given.model, found.model), (model, output), None
         if report is not None or rrd is not None:
+            from .report_page import weighed, write_page
+
             progress("computing probabilities")
             findings = weighed(found)
         if report is not None:
             progress("writing the report")
             write_page(report, found.given, both, labels, findings, force=force)
         if rrd is not None:
+            from .rerun_file import tell_of_rrd, write_rrd
+
             progress("writing the views")
             tabs = write_rrd(rrd, found.given, both, labels, findings, force=force)
         progress("looking for what to record next")

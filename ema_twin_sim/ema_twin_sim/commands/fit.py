@@ -8,7 +8,6 @@ import typer
 
 from . import options
 from .output import say, status
-from .shown_fit import show_fit
 
 EXAMPLES = """Examples:
 
@@ -61,16 +60,15 @@ def run(
     are from recordings (or the last third of a single one) that were not used for fitting.
     """
     from ..model import load_model, save_model
-    from ..model.model_file import check_model_name
-    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, with_noise_told, write_json
+    from .inputs import check_outputs, input_files, write_json
 
-    refuse_inputs(input_files(runs, [model], import_map, with_files), output, json)
-    check_model_name(output)
-    refuse_existing(force, output)
+    check_outputs(input_files(runs, [model], import_map, with_files), force, model=output, json=json)
 
     from ..fitting.fit import fit_model
     from ..own_effects import load_effects
+    from .inputs import load_runs, with_noise_told
     from .judged import with_one_zero
+    from .shown_fit import show_fit
 
     load_effects(with_files or ())
     before = load_model(model)

@@ -199,17 +199,42 @@ def with_noise_told(recordings: Sequence[Recording], model: Model) -> Model:
     return found
 
 
-def refuse_existing(force: bool, *outputs: Path | None) -> None:
-    """Raise InputError, before anything is computed, if an output exists and ``force`` is not set."""
-    for output in outputs:
+def check_outputs(
+    inputs: Sequence[Path],
+    force: bool,
+    *,
+    json: Path | None = None,
+    model: Path | None = None,
+    command: Path | None = None,
+    evidence: Path | None = None,
+    page: Path | None = None,
+    rrd: Path | None = None,
+) -> None:
+    """Raise InputError, before anything is computed, if an output cannot be written, or has a name of another kind.
+
+    Likewise if it exists and ``force`` is not set; only JSON is replaced without it.
+    """
+    from ..model.model_file import check_model_name
+
+    refuse_inputs(inputs, model, command, json, evidence, page, rrd)
+    if model is not None:
+        check_model_name(model)
+    if command is not None and command.suffix.lower() not in (".yaml", ".yml"):
+        raise InputError(f"{command}: unknown kind of command file '{command.suffix}'; name it .yaml")
+    if evidence is not None and evidence.suffix != ".mcap":
+        raise InputError(f"{evidence}: evidence is written as MCAP; name it .mcap")
+    if page is not None and page.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"{page}: a report is a page; name it .html")
+    check_rrd_name(rrd)
+    for output in (model, command, evidence, page, rrd):
         if output is not None and output.is_file() and not force:
             raise InputError(f"{output}: exists already; give another name, or --force to replace it")
 
 
-def refuse_evidence(path: Path | None) -> None:
-    """Raise InputError if the name of an evidence file does not end in .mcap."""
-    if path is not None and path.suffix != ".mcap":
-        raise InputError(f"{path}: evidence is written as MCAP; name it .mcap")
+def check_rrd_name(path: Path | None) -> None:
+    """Raise InputError if the name of a rerun file does not end in .rrd."""
+    if path is not None and path.suffix != ".rrd":
+        raise InputError(f"--rrd {path}: is not a rerun file's name; end it in .rrd")
 
 
 def write_json(path: Path | None, content: object) -> None:

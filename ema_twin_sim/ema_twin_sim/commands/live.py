@@ -14,11 +14,7 @@ import typer
 from ema_bench_replay.errors import InputError
 
 from . import options
-from .live_error import LINES_ARE, ErrorPrinter
-from .live_keys import Keys
-from .live_view import open_view
 from .output import console, say, takes_colours, unfolded, warn
-from .shown_live import as_json, show
 
 EXAMPLES = """Examples:
 
@@ -109,7 +105,6 @@ def run(
     from ..measured.noise import noise_of
     from ..measured.quieter_motion import as_measured
     from ..model import save_model
-    from ..model.model_file import check_model_name
     from ..nodes.live import run_live
     from ..nodes.live_session import HealthAsked
     from ..own_effects import load_effects
@@ -117,16 +112,17 @@ def run(
     from ..simulation.compared_signals import noise_floors
     from ..simulation.dc_link_check import refuse_recording_beyond_link
     from ..simulation.simulate import choose_input
-    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, write_json
-    from .rerun_file import check_rrd_name, tell_of_rrd
+    from .inputs import check_outputs, check_rrd_name, input_files, load_runs, refuse_inputs, write_json
+    from .live_error import LINES_ARE, ErrorPrinter
+    from .live_keys import Keys
+    from .live_view import open_view
+    from .shown_live import as_json, show
 
     bag = None if record is None else record / f"{record.name}.mcap"
     inputs = input_files([run] if run is not None else [], [model], import_map, with_files)
     refuse_inputs(inputs, json, rrd, bag, output, folder=record)
     check_rrd_name(rrd)
-    if output is not None:
-        check_model_name(output)
-        refuse_existing(force, output)
+    check_outputs([], force, model=output)
     load_effects(with_files or ())
     found = live_model(model)
     recording = None
@@ -193,6 +189,8 @@ def run(
         for warning in result.warnings:
             warn(warning)
     if rrd is not None:
+        from .rerun_file import tell_of_rrd
+
         tell_of_rrd(rrd, ("the live run",))
     if result.unrecorded:
         raise InputError(f"{record}: the recording is incomplete: {result.unrecorded}")

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from ema_bench_replay.errors import InputError
 
 from ..discovery.cautions import ALONE
+from ..live.diagnosing.apply import Busy, NotDiagnosed
 from ..quantities import estimate
 from ..words.next_recording import recording_words
 from ..words.sentences import beyond_words, effect_words
@@ -103,8 +104,6 @@ class Keys:
             self.press(key)
 
     def _diagnose(self) -> None:
-        from ..live.diagnosing.apply import Busy
-
         say("Diagnosing; this takes some seconds …", style="cyan")
         try:
             found = self._services().diagnose()
@@ -121,8 +120,6 @@ class Keys:
         self._tell(lines[0])
 
     def _apply(self) -> None:
-        from ..live.diagnosing.apply import Busy, NotDiagnosed
-
         try:
             words = self._services().apply([])
         except NotDiagnosed:

@@ -150,6 +150,8 @@ def of_json(path: Path | None) -> Path | None:
 
 
 SECONDS = number(-LARGEST, LARGEST, "s")
+GEAR_RATIO = number(1e-3, 1e5, "turns of the motor per turn of the output")
+TORQUE_CONSTANT = number(1e-6, LARGEST, "N m/A (of a linear machine N/A)")
 
 Runs = Annotated[list[Path], typer.Argument(metavar="RUN…", help="Recordings: MCAP files, CSVs, or folders of either.")]
 Run = Annotated[Path, typer.Argument(metavar="RUN", help="A recording: MCAP file, folder that import wrote, or CSV.")]

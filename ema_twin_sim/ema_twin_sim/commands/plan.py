@@ -93,18 +93,14 @@ def run(
     recorded speed leads in one recording. A limit given as an option replaces the recorded one and is never exceeded;
     the others then stay as recorded.
     """
-    from ema_bench_replay.errors import InputError
     from ema_bench_replay.outputs import new_file
 
     from ..discovery.plan import plan
     from ..simulation.command import write_command
-    from .inputs import input_files, refuse_existing, refuse_inputs, write_json
+    from .inputs import check_outputs, input_files, write_json
     from .judged import read_judged, warn_of
 
-    refuse_inputs(input_files(runs, [model], import_map, with_files), output, json)
-    if output is not None and output.suffix.lower() not in (".yaml", ".yml"):
-        raise InputError(f"{output}: unknown kind of command file '{output.suffix}'; name it .yaml")
-    refuse_existing(force, output)
+    check_outputs(input_files(runs, [model], import_map, with_files), force, command=output, json=json)
     given = read_judged(runs, model, with_files, without, import_map=import_map, start=start, end=end, strict=strict)
     limits = _limits(given.recordings, given.model, max_speed, max_travel, max_current, max_torque)
     with status() as progress:

@@ -13,7 +13,6 @@ from ema_bench_replay.errors import InputError
 from ..listing import number_of
 from . import options
 from .output import status, unfolded, warn
-from .report_page import check_page_name, weighed, write_page
 
 if TYPE_CHECKING:
     from ema_bench_replay.recording import Recording
@@ -84,7 +83,7 @@ def run(
     from ..words.findings import read_findings
     from ..words.fit_findings import read_fit_findings
     from ..words.origin import refuse_foreign
-    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, with_noise_told
+    from .inputs import check_outputs, input_files, load_runs, with_noise_told
     from .judged import with_one_zero
 
     if len(model) not in (2, 3):
@@ -95,9 +94,10 @@ def run(
     if fit is not None and len(model) == 2:
         raise InputError(f"--fit {fit}: belongs to a third model; give that with --model")
     given = [*runs, *(held_out or ())]
-    refuse_inputs([*input_files(given, model, import_map, with_files), *filter(None, (discovery, fit))], output)
-    check_page_name(output)
-    refuse_existing(force, output)
+    inputs = [*input_files(given, model, import_map, with_files), *filter(None, (discovery, fit))]
+    check_outputs(inputs, force, page=output)
+    from .report_page import write_page
+
     load_effects(with_files or ())
     models = [load_model(name) for name in model]
     if len(models) > 2:
@@ -145,6 +145,7 @@ def _searched(
 ) -> tuple[Findings | None, str, list[Recording]]:
     """Findings of a search, and the recordings as it took them; or None, and the reason why they cannot be judged."""
     from ..discovery.discover import discover
+    from .report_page import weighed
 
     try:
         found = discover(recordings, model, progress=progress)

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rich.markup import escape
 
+from ..discovery.discover import Discovery, Step
+from ..effects import catalogue
+from ..measured.folds import HALF_OF
+from ..model.constants import PARTS
 from ..quantities import estimate, quantity
 from ..words.dropped import less_dropped
 from ..words.next_recording import recording_words
@@ -31,9 +35,6 @@ from ..words.sentences import (
 )
 from .output import console, say
 from .tables import ReportTable, is_narrow
-
-if TYPE_CHECKING:
-    from ..discovery.discover import Discovery, Step
 
 STEPS_ARE = (
     "Excess: mean square of the error minus that of the sensors' noise; removing 99 % of it leaves a tenth of the RMSE."
@@ -94,9 +95,6 @@ def show_doubts(groups: Sequence[Sequence[str]], next_recording: str, motion: st
 
 
 def _steps(found: Discovery, shown_steps: Sequence[Step]) -> ReportTable:
-    from ..effects import catalogue
-    from ..measured.folds import HALF_OF
-
     several = len(found.unseen.recordings) > 1
     judged_on = f"recordings {'not ' if several else ''}used for fitting"
     if HALF_OF in found.recordings[0].metadata:
@@ -188,8 +186,6 @@ def moved_slightly(found: Discovery) -> tuple[list[str], list[str]]:
 
     Second, those of them whose error is larger than their value, which no change describes: ``inertia = 0 ± 3 g m^2``.
     """
-    from ..model.constants import PARTS
-
     moved, unknown = [], []
     constants: Mapping[str, Mapping[str, Any]] = found.constants
     for part, entries in constants.items():

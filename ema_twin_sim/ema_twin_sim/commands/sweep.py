@@ -102,12 +102,9 @@ def run(
     from ..model import load_model
     from ..model.model_file import model_files
     from ..simulation.command import parse_command
-    from .inputs import refuse_existing, refuse_inputs, write_json
-    from .report_page import check_page_name
+    from .inputs import check_outputs, write_json
 
-    check_page_name(page)
-    refuse_inputs([], page)
-    refuse_existing(force, page)
+    check_outputs([], force, page=page)
     base = load_model(model)
     for text in command:
         parse_command(text)

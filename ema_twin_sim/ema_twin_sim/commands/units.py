@@ -10,11 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..listing import by_recording, number_of
-from ..words.units import fleet_words, unit_words
 from . import options
 from .output import counted, say, warn
-from .rerun_file import check_rrd_name, tell_of_rrd
-from .shown_units import show_health, show_numbers, show_recordings, show_units
 
 if TYPE_CHECKING:
     from ..campaign.histories import Outlook
@@ -89,14 +86,14 @@ def run(
     from ..campaign.unit_health import sickest_first, unit_health
     from ..campaign.units import units_of
     from ..model.model import nearest
-    from .inputs import refuse_existing, refuse_inputs, write_json
+    from ..words.units import fleet_words, unit_words
+    from .inputs import check_outputs, write_json
+    from .shown_units import show_health, show_numbers, show_recordings, show_units
 
-    check_rrd_name(rrd)
     if rrd is not None and unit is None:
         raise InputError(f"--rrd {rrd}: shows one unit; name it with --unit")
     overview = None if page is None else page / "index.html"
-    refuse_inputs([*([] if limits is None else [limits])], rrd, overview, json)
-    refuse_existing(force, rrd, overview)
+    check_outputs([] if limits is None else [limits], force, json=json, page=overview, rrd=rrd)
     of_numbers = read_limits(limits)
     known_good = Healthy.of(healthy, FEWEST_HEALTHY)
     found = units_of(Store.opened(results).rows())
@@ -146,6 +143,7 @@ def run(
         warn(warning)
     if rrd is not None and unit is not None:
         from ..views.unit_history import write_unit_history
+        from .rerun_file import tell_of_rrd
 
         tell_of_rrd(rrd, write_unit_history(rrd, ahead[unit], health[unit], force=force))
     if page is not None:
