@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+from ..discovery.steps import Step
+from ..effects import catalogue
 from ..listing import listed
 from .sentences import effect_words
-
-if TYPE_CHECKING:
-    from ..discovery.steps import Step
 
 _FEW = 2  # dropped effects that keep their rows
 
@@ -33,8 +31,6 @@ def less_dropped(steps: Sequence[Step]) -> tuple[list[Step], str]:
 
 def _named(steps: Sequence[Step]) -> list[str]:
     """The effects of these steps in words; how many of each, if there were several."""
-    from ..effects import catalogue  # with numpy, for which --help would wait
-
     count: dict[str, int] = {}
     for step in steps:
         count[step.effect] = count.get(step.effect, 0) + 1

@@ -190,52 +190,26 @@ def beyond_words(beyond: Mapping[str, float]) -> str:
     return listed(said)
 
 
-def verdict_sentence(
-    verdict: str,
-    effects: Sequence[str],
-    depends_on: Sequence[str],
-    without: Sequence[str] = (),
-    groups: Sequence[Sequence[str]] = (),
-    model: str = YOURS,
-    left_over: str = "",
-    beyond: Mapping[str, float] | None = None,
-) -> str:
-    """A sentence on what the recordings say about a model; ``verdict`` is explained, none or unknown.
-
-    ``without`` are effects that were not looked for, ``groups`` those that the recordings cannot tell apart.
-    ``left_over`` says how large the remaining error is and where; ``beyond`` which signals still exceed their noise.
-    """
-    lacks = f"{model} lacks {listed(_or_its_likes(effect, effects, groups) for effect in effects)}" if effects else ""
-    if verdict == "none":
+def verdict_of(found: Discovery | Findings, model: str = YOURS, without: Sequence[str] = ()) -> str:
+    """A sentence on what the recordings say about a model; ``without`` are effects that were not looked for."""
+    named = listed(_or_its_likes(effect, found.added, found.groups) for effect in found.added) if found.added else ""
+    lacks = f"{model} lacks {named}" if named else ""
+    if found.verdict == "none":
         of = "" if model == YOURS else f" in {model}"
-        if beyond:
-            return f"These recordings show no missing effect{of}, but {beyond_words(beyond)}."
+        if found.beyond_noise:
+            return f"These recordings show no missing effect{of}, but {beyond_words(found.beyond_noise)}."
         return f"These recordings show nothing missing{of}."
-    if verdict == "explained":
+    if found.verdict == "explained":
         return f"{lacks}."
-    along = f": {left_over}" if left_over else ""
+    along = f": {found.left_over}" if found.left_over else ""
     start, error = (
         (f"{lacks}. A further error remains", "it") if lacks else ("Something is missing", "the remaining error")
     )
-    left = f"; {error} depends on {dependence_words(depends_on)}{along}" if depends_on else ""
+    left = f"; {error} depends on {dependence_words(found.depends_on)}{along}" if found.depends_on else ""
     explains = "no effect of the catalogue explains"
     if without:
         explains = f"no effect explains, except possibly {listed(map(effect_words, without), 'or')} (excluded)"
     return f"{start} that {explains}{left}."
-
-
-def verdict_of(found: Discovery | Findings, model: str = YOURS, without: Sequence[str] = ()) -> str:
-    """``verdict_sentence`` for the result of a search; ``without`` are effects that it did not look for."""
-    return verdict_sentence(
-        found.verdict,
-        found.added,
-        found.depends_on,
-        without,
-        found.groups,
-        model=model,
-        left_over=found.left_over,
-        beyond=found.beyond_noise,
-    )
 
 
 def no_effect_words(beyond: Mapping[str, float]) -> str:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+from ..campaign.histories import Outlook
+from ..campaign.unit_health import JudgedTest, UnitHealth
+from ..health.judgement import changed_words
 from ..listing import number_of
 from ..quantities import estimate
 from .unit_results import DISTANCE, first_clause
-
-if TYPE_CHECKING:
-    from ..campaign.histories import Outlook
-    from ..campaign.unit_health import JudgedTest, UnitHealth
 
 TEST_HEAD = ("test", "deviating", DISTANCE, "fault family", "what changed")
 """Headings of a unit's tests, compared with its healthy ones."""
@@ -127,8 +125,6 @@ def _change_words(test: JudgedTest) -> str:
         return " ".join(worst.words)
     if not test.detected:
         return ""
-    from ..health.judgement import changed_words  # with all of scipy.stats: only if something is told
-
     said = changed_words(worst.changes)
     why = test.why if test.named is None else ""
     return f"{said[:1].upper()}{said[1:]}. {why}".rstrip()
