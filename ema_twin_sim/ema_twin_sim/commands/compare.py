@@ -38,21 +38,17 @@ def run(
     """Compare models with recordings: RMSE per signal next to the sensors' noise floor, and where the model fails."""
     from ..comparison.closeness import closer
     from ..comparison.compare import compare_all
-    from ..model import load_model
-    from ..own_effects import load_effects
     from ..words.open_values import open_values_sentence
-    from .inputs import check_outputs, input_files, load_runs, with_noise_told, write_json
-    from .judged import warn_of, with_one_zero
+    from .inputs import check_outputs, input_files, write_json
+    from .judged import read_judged, warn_of
     from .shown_comparison import show_comparison
 
     check_outputs(input_files(runs, model, import_map, with_files), force, json=json, rrd=rrd)
     if rrd is not None and len(model) > _MOST_MODELS:
         raise InputError(f"--rrd {rrd}: shows one to three models side by side; --model was given {len(model)} times")
-    load_effects(with_files or ())
-    models = [load_model(name) for name in model]
-    recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
-    recordings = with_one_zero(recordings, models)
-    models = [with_noise_told(recordings, given) for given in models]
+    recordings, models, _ = read_judged(
+        runs, model, with_files, import_map=import_map, start=start, end=end, strict=strict
+    )
     with counted(len(models) * len(recordings), "comparing") as done:
         comparisons = compare_all(
             recordings,

@@ -51,7 +51,6 @@ def run(
     that.
     """
     from .inputs import check_outputs, input_files
-    from .judged import read_judged, warn_of, write_evidence_bag, write_findings
 
     inputs = input_files(runs, [model], import_map, with_files)
     check_outputs(inputs, force, json=json, evidence=evidence, rrd=rrd)
@@ -59,30 +58,33 @@ def run(
     from ..discovery.diagnose import weigh
     from ..discovery.discover import discover
     from ..words.findings import findings_of
+    from .judged import read_judged, warn_of, write_evidence_bag, write_findings
 
-    given = read_judged(runs, model, with_files, without, import_map=import_map, start=start, end=end, strict=strict)
+    recordings, (before,), excluded = read_judged(
+        runs, [model], with_files, without, import_map=import_map, start=start, end=end, strict=strict
+    )
     with status() as progress:
-        found = discover(given.recordings, given.model, without=given.without, progress=progress)
+        found = discover(recordings, before, without=excluded, progress=progress)
         progress("computing probabilities")
         diagnosis = weigh(found)
         if evidence is not None:
             progress("writing the evidence")
-            write_evidence_bag(found, given.recordings, evidence, force=force)
+            write_evidence_bag(found, recordings, evidence, force=force)
         if rrd is not None:
             from .rerun_file import tell_of_rrd, write_rrd
 
             progress("writing the views")
-            both = (given.model, found.model)
-            labels = (given.model.name, "with the effects found")
-            tabs = write_rrd(rrd, given.recordings, both, labels, findings_of(found, diagnosis), force=force)
+            both = (before, found.model)
+            labels = (before.name, "with the effects found")
+            tabs = write_rrd(rrd, recordings, both, labels, findings_of(found, diagnosis), force=force)
         progress("looking for what to record next")
         content = diagnosis.as_json()
-    warn_of(diagnosis.misread, given.recordings)
-    say(verdict_of(found, without=given.without), style="bold")
-    show(diagnosis, given.model.motion)
+    warn_of(diagnosis.misread, recordings)
+    say(verdict_of(found, without=excluded), style="bold")
+    show(diagnosis, before.motion)
     for text in order_sentences(found.model, found.parameters):
         say(text)
-    warn_of(diagnosis.warnings, given.recordings, told=diagnosis.misread)
+    warn_of(diagnosis.warnings, recordings, told=diagnosis.misread)
     write_findings(json, content, found)
     if rrd is not None:
         tell_of_rrd(rrd, tabs)

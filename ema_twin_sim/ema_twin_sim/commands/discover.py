@@ -49,22 +49,24 @@ def run(
     """
     from ..model import save_model
     from .inputs import check_outputs, input_files
-    from .judged import read_judged, warn_of, write_evidence_bag, write_findings
 
     inputs = input_files(runs, [model], import_map, with_files)
     check_outputs(inputs, force, model=output, json=json, evidence=evidence, page=report, rrd=rrd)
 
     from ..discovery.discover import discover
+    from .judged import read_judged, warn_of, write_evidence_bag, write_findings
     from .shown_search import show_doubts, show_search
 
-    given = read_judged(runs, model, with_files, without, import_map=import_map, start=start, end=end, strict=strict)
+    recordings, (before,), excluded = read_judged(
+        runs, [model], with_files, without, import_map=import_map, start=start, end=end, strict=strict
+    )
     with status() as progress:
-        found = discover(given.recordings, given.model, without=given.without, progress=progress)
+        found = discover(recordings, before, without=excluded, progress=progress)
         save_model(found.model, output, force=force)
         if evidence is not None:
             progress("writing the evidence")
             write_evidence_bag(found, found.given, evidence, force=force)
-        both, labels, findings = (given.model, found.model), (model, output), None
+        both, labels, findings = (before, found.model), (model, output), None
         if report is not None or rrd is not None:
             from .report_page import weighed, write_page
 
@@ -80,18 +82,18 @@ def run(
             tabs = write_rrd(rrd, found.given, both, labels, findings, force=force)
         progress("looking for what to record next")
         next_recording = found.next_recording
-    warn_of(found.misread, given.recordings)
-    show_search(found, given.without)
+    warn_of(found.misread, recordings)
+    show_search(found, excluded)
     show_doubts(found.groups, next_recording, found.model.motion)
     say(f"\nThe search ended: {found.stopped}.")
-    warn_of(found.warnings, given.recordings, told=found.misread)
+    warn_of(found.warnings, recordings, told=found.misread)
     is_new = bool(found.added or found.constants)
     for line in _written(output, model, is_new=is_new):
         say(line)
     shown: list[str | Path] = [model, output] if is_new else [model]
     unfolded(f"  {compare_command(runs, shown, with_files or (), import_map)}")
     if evidence is not None:
-        axis = "; operating points are drawn over position, 1 s per radian" if given.recordings[0].of_points else ""
+        axis = "; operating points are drawn over position, 1 s per radian" if recordings[0].of_points else ""
         unfolded(f"  rerun {quote(str(evidence))}     (residuals of each step{axis})")
     if report is not None:
         unfolded(f"  {report}     (HTML report, before and after)")

@@ -59,22 +59,18 @@ def run(
     Fits the parameters of the model's effects, and its inertias within their tolerances. The errors before and after
     are from recordings (or the last third of a single one) that were not used for fitting.
     """
-    from ..model import load_model, save_model
+    from ..model import save_model
     from .inputs import check_outputs, input_files, write_json
 
     check_outputs(input_files(runs, [model], import_map, with_files), force, model=output, json=json)
 
     from ..fitting.fit import fit_model
-    from ..own_effects import load_effects
-    from .inputs import load_runs, with_noise_told
-    from .judged import with_one_zero
+    from .judged import read_judged
     from .shown_fit import show_fit
 
-    load_effects(with_files or ())
-    before = load_model(model)
-    recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
-    recordings = with_one_zero(recordings, [before], between_them=True)
-    before = with_noise_told(recordings, before)
+    recordings, (before,), _ = read_judged(
+        runs, [model], with_files, import_map=import_map, start=start, end=end, strict=strict, between_them=True
+    )
     with status() as progress:
         found = fit_model(
             recordings, before, method=method, free=free or (), fix=fix or (), source=input, progress=progress

@@ -101,23 +101,22 @@ def run(
     from .judged import read_judged, warn_of
 
     check_outputs(input_files(runs, [model], import_map, with_files), force, command=output, json=json)
-    given = read_judged(runs, model, with_files, without, import_map=import_map, start=start, end=end, strict=strict)
-    limits = _limits(given.recordings, given.model, max_speed, max_travel, max_current, max_torque)
+    recordings, (before,), excluded = read_judged(
+        runs, [model], with_files, without, import_map=import_map, start=start, end=end, strict=strict
+    )
+    limits = _limits(recordings, before, max_speed, max_travel, max_current, max_torque)
     with status() as progress:
-        found = plan(given.recordings, given.model, without=given.without, limits=limits, progress=progress)
-    show(found, given.model.motion)
+        found = plan(recordings, before, without=excluded, limits=limits, progress=progress)
+    show(found, before.motion)
     if found.proposal is not None:
         if output is not None:
             with new_file(output, force=force) as file:
-                file.write(
-                    write_command(
-                        found.proposal.command, found.proposal.seconds, found.proposal.why, given.model.motion
-                    )
-                )
-        _show_how(found.proposal, model, given.model, output, with_files or ())
+                proposal = found.proposal
+                file.write(write_command(proposal.command, proposal.seconds, proposal.why, before.motion))
+        _show_how(found.proposal, model, before, output, with_files or ())
     elif output is not None:
         say(f"\nThere is no command to propose, so {output} was not written.")
-    warn_of(found.warnings, given.recordings)
+    warn_of(found.warnings, recordings)
     write_json(json, found.as_json())
 
 
