@@ -70,7 +70,6 @@ def run(
     do: Annotated[
         str,
         typer.Option(
-            "--do",
             metavar="VERB",
             help="What to do: compare, fit, diagnose or discover; or health (compare each recording with the unit's "
             "own healthy ones).",
@@ -80,7 +79,6 @@ def run(
     unit: Annotated[
         str | None,
         typer.Option(
-            "--unit",
             metavar="PATTERN",
             help="Regular expression for a recording's path with (?P<unit>...) and, optionally, (?P<time>...) and "
             "(?P<test>...). By default a unit is a folder in FOLDER, and a test a folder in that.",
@@ -89,7 +87,6 @@ def run(
     together: Annotated[
         str,
         typer.Option(
-            "--together",
             metavar="WHAT",
             help="What to judge together: recording (each alone), folder (all in a folder) or unit (all of a unit).",
             autocompletion=_together,
@@ -100,7 +97,6 @@ def run(
     wavelength: Annotated[
         float | None,
         typer.Option(
-            "--wavelength",
             metavar="M|RAD",
             parser=options.number(1e-9, options.LARGEST, "m or rad"),
             help="With --do health: travel after which the machine repeats, such as the lead of a screw; by default "

@@ -95,11 +95,7 @@ def run(
     beside, moments = switched_off(stock, found.model), moments_of(_most_telling_first(found), played.duration)
     switched = [f"{effect_words(name)} is switched on after {moment:g} s" for name, moment in moments.items()]
     changing = f"in the running twin, {listed(switched)}" if switched else "nothing is switched on in the twin"
-    _chapter(
-        "4",
-        "Live: replay, twin and monitor as ROS 2 nodes",
-        f"{played.name} at {rate:g} × real time; {changing}",
-    )
+    _chapter("4", "Live: replay, twin and monitor as ROS 2 nodes", f"{played.name} at {rate:g} × real time; {changing}")
     rrd = output / "live.rrd"
     view = LiveView(RerunView(rrd, "ema-twin demo", noise, model=stock))
     view.tell(0.0, "stock model and bench")

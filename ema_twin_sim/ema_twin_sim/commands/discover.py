@@ -34,9 +34,7 @@ def run(
     end: options.To = None,
     strict: options.Strict = False,
     evidence: options.Evidence = None,
-    report: Annotated[
-        Path | None, typer.Option("--report", metavar="FILE.html", help="Also write the HTML report.")
-    ] = None,
+    report: Annotated[Path | None, typer.Option(metavar="FILE.html", help="Also write the HTML report.")] = None,
     rrd: options.Rrd = None,
     force: options.Force = False,
     json: options.JsonFile = None,
@@ -87,10 +85,12 @@ def run(
     show_doubts(found.groups, next_recording, found.model.motion)
     say(f"\nThe search ended: {found.stopped}.")
     warn_of(found.warnings, recordings, told=found.misread)
-    is_new = bool(found.added or found.constants)
-    for line in _written(output, model, is_new=is_new):
-        say(line)
-    shown: list[str | Path] = [model, output] if is_new else [model]
+    shown: list[str | Path] = [model]
+    if found.added or found.constants:
+        shown.append(output)
+        say(f"\n{output} is the new model. To see its errors:")
+    else:
+        say(f"\n{output} equals {model}: no effect was found that improves it. To see where it fails:")
     unfolded(f"  {compare_command(runs, shown, with_files or (), import_map)}")
     if evidence is not None:
         axis = "; operating points are drawn over position, 1 s per radian" if recordings[0].of_points else ""
@@ -102,18 +102,8 @@ def run(
     write_findings(json, found.as_json(), found)
 
 
-def _written(output: Path, model: str, *, is_new: bool) -> list[str]:
-    """A line that says what the written model is and introduces the command printed below it."""
-    if is_new:
-        return [f"\n{output} is the new model. To see its errors:"]
-    return [f"\n{output} equals {model}: no effect was found that improves it. To see where it fails:"]
-
-
 def compare_command(
-    runs: Sequence[Path],
-    models: Sequence[str | Path],
-    with_files: Sequence[Path] = (),
-    import_map: str = "siemens",
+    runs: Sequence[Path], models: Sequence[str | Path], with_files: Sequence[Path] = (), import_map: str = "siemens"
 ) -> str:
     """Shell command that compares the models with the recordings, quoted."""
     models_named = [part for model in models for part in ("--model", quote(str(model)))]

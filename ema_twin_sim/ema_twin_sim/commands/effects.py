@@ -27,8 +27,7 @@ ema-twin effects --with position_friction.py position_friction"""
 
 def run(
     id: Annotated[
-        str | None,
-        typer.Argument(metavar="ID", help="Show one effect in full.", autocompletion=options.effect_names),
+        str | None, typer.Argument(metavar="ID", help="Show one effect in full.", autocompletion=options.effect_names)
     ] = None,
     with_files: options.WithFiles = None,
     json: options.JsonFile = None,

@@ -28,22 +28,18 @@ def run(
     method: Annotated[
         str | None,
         typer.Option(
-            "--method",
             help="equation (fit the torque that the measured motion needs) or simulation (simulate the closed loop of "
-            "each recording); by default simulation, or equation if the current drives the twin.",
+            "each recording); by default simulation, or equation if the current drives the twin."
         ),
     ] = None,
     free: Annotated[
         list[str] | None,
         typer.Option(
-            "--free",
-            metavar="PATH",
-            help="Another parameter to fit, in addition to effects and inertias. May be repeated.",
+            metavar="PATH", help="Another parameter to fit, in addition to effects and inertias. May be repeated."
         ),
     ] = None,
     fix: Annotated[
-        list[str] | None,
-        typer.Option("--fix", metavar="PATH", help="Parameter or effect to keep fixed. May be repeated."),
+        list[str] | None, typer.Option(metavar="PATH", help="Parameter or effect to keep fixed. May be repeated.")
     ] = None,
     input: options.Input = None,
     with_files: options.WithFiles = None,

@@ -78,8 +78,7 @@ def run(
         ),
     ] = None,
     operating_points: Annotated[
-        bool,
-        typer.Option("--operating-points", help="Each row is an operating point: at rest, or at constant speed."),
+        bool, typer.Option("--operating-points", help="Each row is an operating point: at rest, or at constant speed.")
     ] = False,
     force: options.Force = False,
 ) -> None:

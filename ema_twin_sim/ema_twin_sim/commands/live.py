@@ -41,13 +41,12 @@ def run(
     loop: Annotated[bool, typer.Option("--loop", help="Repeat the recording until q or Ctrl-C.")] = False,
     headless: Annotated[bool, typer.Option("--headless", help="No viewer.")] = False,
     web: Annotated[bool, typer.Option("--web", help="The viewer in a browser, served on this machine only.")] = False,
-    rrd: Annotated[Path | None, typer.Option("--rrd", metavar="FILE", help="Write a rerun recording.")] = None,
+    rrd: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a rerun recording.")] = None,
     record: Annotated[
-        Path | None, typer.Option("--record", metavar="DIR", help="Record all topics to an MCAP in a new folder.")
+        Path | None, typer.Option(metavar="DIR", help="Record all topics to an MCAP in a new folder.")
     ] = None,
     max_bag_size: Annotated[
-        float | None,
-        options.bounded("BYTES", 1.0, 1e18, "bytes", "With --record: start a new file at this size."),
+        float | None, options.bounded("BYTES", 1.0, 1e18, "bytes", "With --record: start a new file at this size.")
     ] = None,
     max_bag_duration: Annotated[
         float | None,
@@ -82,8 +81,7 @@ def run(
         ),
     ] = None,
     output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="MODEL", help="Write the twin's final model."),
+        Path | None, typer.Option("--output", "-o", metavar="MODEL", help="Write the twin's final model.")
     ] = None,
     with_files: options.WithFiles = None,
     import_map: options.ImportMap = "siemens",

@@ -45,7 +45,6 @@ def run(
     discovery: Annotated[
         Path | None,
         typer.Option(
-            "--discovery",
             metavar="FILE.json",
             help="Output of discover --json (or diagnose --json); without it, the search is repeated.",
         ),
@@ -53,7 +52,6 @@ def run(
     fit: Annotated[
         Path | None,
         typer.Option(
-            "--fit",
             metavar="FILE.json",
             help="Output of fit --json for the third model: standard errors, and errors on recordings that were not "
             "used for fitting.",
@@ -61,7 +59,7 @@ def run(
     ] = None,
     held_out: Annotated[
         list[Path] | None,
-        typer.Option("--held-out", metavar="RUN", help="Recordings that were not used for fitting. May be repeated."),
+        typer.Option(metavar="RUN", help="Recordings that were not used for fitting. May be repeated."),
     ] = None,
     input: options.Input = None,
     with_files: options.WithFiles = None,

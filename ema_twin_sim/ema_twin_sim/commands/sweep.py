@@ -42,7 +42,6 @@ def run(
     vary: Annotated[
         list[str],
         typer.Option(
-            "--vary",
             metavar="PATH=LOW:HIGH:COUNT[:log]",
             help="A parameter to vary and its values, in SI units; PATH=VALUE for one value. May be repeated.",
         ),
@@ -60,7 +59,6 @@ def run(
     sample: Annotated[
         int | None,
         typer.Option(
-            "--sample",
             metavar="N",
             parser=options.whole(1, 1_000_000),
             help="N points drawn evenly (Latin hypercube), in place of a grid.",
@@ -74,14 +72,12 @@ def run(
     ] = 1,
     seed: Annotated[int, typer.Option(metavar="N", parser=options.whole(0, 10**9), help="Seed of the sample.")] = 0,
     bounds_only: Annotated[
-        bool,
-        typer.Option("--bounds-only", help="Compute only the bounds of the errors, without searching (faster)."),
+        bool, typer.Option("--bounds-only", help="Compute only the bounds of the errors, without searching (faster).")
     ] = False,
     workers: options.Workers = options.CORES,
     scheduler: options.Scheduler = None,
     page: Annotated[
-        Path | None,
-        typer.Option("--page", metavar="FILE.html", help="Also write an HTML page with a map of the results."),
+        Path | None, typer.Option(metavar="FILE.html", help="Also write an HTML page with a map of the results.")
     ] = None,
     force: options.Force = False,
     json: options.JsonFile = None,

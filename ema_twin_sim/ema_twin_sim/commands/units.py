@@ -40,32 +40,26 @@ _ROWS = 20
 
 def run(
     results: Annotated[Path, typer.Argument(metavar="RESULTS", help="The folder that campaign wrote.")],
-    unit: Annotated[
-        str | None, typer.Option("--unit", metavar="NAME", help="Show each recording of this unit.")
-    ] = None,
+    unit: Annotated[str | None, typer.Option(metavar="NAME", help="Show each recording of this unit.")] = None,
     limits: Annotated[
-        Path | None,
-        typer.Option("--limits", metavar="FILE.yaml", help="Limits of numbers, in SI units: backlash.width: 0.004"),
+        Path | None, typer.Option(metavar="FILE.yaml", help="Limits of numbers, in SI units: backlash.width: 0.004")
     ] = None,
     healthy: Annotated[
         str | None,
         typer.Option(
-            "--healthy",
             metavar="N|PATTERN",
             help="Which results of each unit are healthy: the first N, or those whose name matches a regular "
             "expression; by default the first third.",
         ),
     ] = None,
     page: Annotated[
-        Path | None,
-        typer.Option("--page", metavar="FOLDER", help="Also write pages: FOLDER/index.html, and one of each unit."),
+        Path | None, typer.Option(metavar="FOLDER", help="Also write pages: FOLDER/index.html, and one of each unit.")
     ] = None,
     whole: Annotated[
         bool, typer.Option("--all", help="Show all rows of the tables, however many; by default the most telling.")
     ] = False,
     rrd: Annotated[
-        Path | None,
-        typer.Option("--rrd", metavar="FILE.rrd", help="Also write the history of --unit as views for rerun."),
+        Path | None, typer.Option(metavar="FILE.rrd", help="Also write the history of --unit as views for rerun.")
     ] = None,
     force: options.Force = False,
     json: options.JsonFile = None,
