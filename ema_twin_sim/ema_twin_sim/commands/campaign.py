@@ -6,6 +6,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
+from functools import cache
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Annotated
@@ -142,7 +143,7 @@ def run(
     )
     grouping = Grouping.of(folder.resolve(), unit, together)
     store = Store.made(output)
-    tell = _once()
+    tell = cache(warn)  # of what is said at each look, the first time alone
     try:
         first = _waiting(grouping, task, store, set(), tell)
     except InputError as error:  # the folder is still empty, or a file's name does not fit
@@ -164,18 +165,6 @@ def run(
         raise typer.Exit(2)  # nothing was judged, as with any command whose input is refused
     if counts["failed"] and not counts["done"]:
         raise typer.Exit(1)
-
-
-def _once() -> Callable[[str], None]:
-    """Return a function that prints each warning only once."""
-    told: set[str] = set()
-
-    def tell(text: str) -> None:
-        if text not in told:
-            told.add(text)
-            warn(text)
-
-    return tell
 
 
 def _waiting(grouping: Grouping, task: Task, store: Store, known: set[str], tell: Callable[[str], None]) -> list[Job]:

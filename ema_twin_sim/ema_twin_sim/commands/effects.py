@@ -56,11 +56,7 @@ def run(
         say("One effect in full: ema-twin effects ID. Add one: ema-twin add ID --model MODEL -o NEW.yaml")
     contents = [
         {
-            "id": effect.id,
-            "summary": effect.summary,
-            "equation": effect.equation,
-            "signature": effect.signature,
-            "source": effect.source,
+            **{name: getattr(effect, name) for name in ("id", "summary", "equation", "signature", "source")},
             "options": {name: list(choices) for name, choices in effect.options.items()},
             "parameters": {
                 p.name: {

@@ -60,12 +60,8 @@ def show_search(found: Discovery, without: Sequence[str] = ()) -> None:
         if shown or found.unseen.refitted:
             console.print(_steps(found, shown))
             say(STEPS_ARE)
-        if dropped:
-            say(dropped)
-        if grew := larger_sentence(shown, found.unseen):
-            say(grew)
-        if leaves := left_sentence(found.unseen):
-            say(leaves)
+        for told in filter(None, (dropped, larger_sentence(shown, found.unseen), left_sentence(found.unseen))):
+            say(told)
         if _is_crowded(found):
             for step in shown:
                 what = "Runner-up to" if step.action == "add" else "Dropped:"
