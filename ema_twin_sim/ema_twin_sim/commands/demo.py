@@ -14,7 +14,6 @@ from ema_bench_replay.errors import InputError
 
 from ..listing import listed
 from ..quantities import quantity
-from ..words.sentences import effect_words, fit_sentences
 from . import options
 from .output import console, say, status, warn
 
@@ -59,6 +58,7 @@ def run(
     from ..views.rerun_view import RerunView
     from ..views.screen import open_viewer
     from ..words.fit_findings import fit_findings_of
+    from ..words.sentences import effect_words, fit_sentences
     from .live_error import LINES_ARE, ErrorPrinter
     from .live_view import LiveView
     from .report_page import fitting_moved, weighed, write_page

@@ -10,9 +10,9 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ema_bench_replay.bags.bag_parts import bag_parts, how_to_convert, recordings_in
+from ema_bench_replay.configuration import find_configuration
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import TRACES, load
 from ema_bench_replay.outputs import write_text
@@ -21,9 +21,6 @@ from ema_bench_replay.recording import Recording
 from ..listing import by_recording, number_of
 from ..text_traces import without_notes
 from .output import counted, warn
-
-if TYPE_CHECKING:
-    from ..model import Model
 
 
 def load_runs(
@@ -144,8 +141,6 @@ def input_files(
     runs: Sequence[Path], models: Sequence[str], import_map: str, with_files: Sequence[Path] | None = None
 ) -> list[Path]:
     """The files that are read for these arguments; ``metadata.yaml`` of a recording is listed even if it is absent."""
-    from ema_bench_replay.configuration import find_configuration
-
     from ..model.model_file import model_files
 
     files = [file for name in models for file in model_files(name)]
@@ -187,16 +182,6 @@ def _refuse_unwritable(output: Path) -> None:
         if isinstance(error, PermissionError) or error.errno == errno.EROFS:
             needed = "a folder with write permission"
         raise InputError(f"{output}: cannot be written ({reason}); choose {needed}") from None
-
-
-def with_noise_told(recordings: Sequence[Recording], model: Model) -> Model:
-    """The model, with the noise of the recordings if it states none of its sensors; says so on the error output."""
-    from ..measured.unstated_noise import with_noise_of
-
-    found, said = with_noise_of(recordings, model)
-    if said:
-        warn(said)
-    return found
 
 
 def check_outputs(

@@ -10,9 +10,10 @@ from ema_bench_replay.recording import Recording
 
 from ..discovery.zeros_by_model import has_a_zero, with_the_models_zeros
 from ..effects import find_effect
+from ..measured.unstated_noise import with_noise_of
 from ..model import Model, load_model
 from ..own_effects import load_effects
-from .inputs import load_runs, with_noise_told, write_json
+from .inputs import load_runs, write_json
 from .output import warn
 
 if TYPE_CHECKING:
@@ -56,6 +57,14 @@ def with_one_zero(
     moved, told = with_the_models_zeros(recordings, telling, between_them=between_them)
     warn_of(told, recordings)
     return moved
+
+
+def with_noise_told(recordings: Sequence[Recording], model: Model) -> Model:
+    """The model, with the noise of the recordings if it states none of its sensors; says so on the error output."""
+    found, said = with_noise_of(recordings, model)
+    if said:
+        warn(said)
+    return found
 
 
 def write_evidence_bag(found: Discovery, recordings: Sequence[Recording], file: Path, *, force: bool) -> None:

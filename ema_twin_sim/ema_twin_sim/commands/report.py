@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -13,12 +12,6 @@ from ema_bench_replay.errors import InputError
 from ..listing import number_of
 from . import options
 from .output import status, unfolded, warn
-
-if TYPE_CHECKING:
-    from ema_bench_replay.recording import Recording
-
-    from ..model import Model
-    from ..words.findings import Findings
 
 EXAMPLES = """Examples:
 
@@ -81,8 +74,8 @@ def run(
     from ..words.findings import read_findings
     from ..words.fit_findings import read_fit_findings
     from ..words.origin import refuse_foreign
-    from .inputs import check_outputs, input_files, load_runs, with_noise_told
-    from .judged import with_one_zero
+    from .inputs import check_outputs, input_files, load_runs
+    from .judged import with_noise_told, with_one_zero
 
     if len(model) not in (2, 3):
         raise InputError(
@@ -94,7 +87,7 @@ def run(
     given = [*runs, *(held_out or ())]
     inputs = [*input_files(given, model, import_map, with_files), *filter(None, (discovery, fit))]
     check_outputs(inputs, force, page=output)
-    from .report_page import write_page
+    from .report_page import searched, write_page
 
     load_effects(with_files or ())
     models = [load_model(name) for name in model]
@@ -118,7 +111,7 @@ def run(
             refuse_foreign(option, file, result.origin, models, names)
     with status() as progress:
         if discovery is None:
-            findings, undiagnosed, recordings = _searched(recordings, models[0], progress)
+            findings, undiagnosed, recordings = searched(recordings, models[0], progress)
         progress("comparing the models, and writing the page")
         told = write_page(
             output,
@@ -136,18 +129,3 @@ def run(
         if text:
             warn(text)
     unfolded(f"{output} is the report: open it in any browser, or send it.")
-
-
-def _searched(
-    recordings: list[Recording], model: Model, progress: Callable[[str], None]
-) -> tuple[Findings | None, str, list[Recording]]:
-    """Findings of a search, and the recordings as it took them; or None, and the reason why they cannot be judged."""
-    from ..discovery.discover import discover
-    from .report_page import weighed
-
-    try:
-        found = discover(recordings, model, progress=progress)
-    except InputError as refused:
-        return None, f"no diagnosis: {refused}", recordings
-    progress("computing probabilities")
-    return weighed(found), "", list(found.given)

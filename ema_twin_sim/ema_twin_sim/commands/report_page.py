@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.outputs import write_text
 from ema_bench_replay.recording import Recording
 
 from ..comparison.compare import Comparison
 from ..discovery.diagnose import weigh
-from ..discovery.discover import Discovery
+from ..discovery.discover import Discovery, discover
 from ..model import Model
 from ..report.backwards import backwards
 from ..report.content import Content, shown
@@ -71,3 +72,15 @@ def told_apart(models: Sequence[Model], labels: Sequence[str | Path]) -> tuple[s
 def weighed(found: Discovery) -> Findings:
     """Findings of a finished search, with the probabilities of its diagnosis."""
     return findings_of(found, weigh(found))
+
+
+def searched(
+    recordings: list[Recording], model: Model, progress: Callable[[str], None]
+) -> tuple[Findings | None, str, list[Recording]]:
+    """Findings of a search, and the recordings as it took them; or None, and the reason why they cannot be judged."""
+    try:
+        found = discover(recordings, model, progress=progress)
+    except InputError as refused:
+        return None, f"no diagnosis: {refused}", recordings
+    progress("computing probabilities")
+    return weighed(found), "", list(found.given)

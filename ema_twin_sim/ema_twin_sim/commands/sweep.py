@@ -12,7 +12,6 @@ import typer
 from rich.markup import escape
 
 from ..listing import number_of
-from ..words.sweep import columns, limit_words, meaning, point_cells
 from . import options
 from .output import console, counted, say, status, warn
 from .tables import ReportTable
@@ -98,6 +97,7 @@ def run(
     from ..model import load_model
     from ..model.model_file import model_files
     from ..simulation.command import parse_command
+    from ..words.sweep import limit_words
     from .inputs import check_outputs, write_json
 
     check_outputs([], force, page=page)
@@ -158,6 +158,8 @@ def run(
 
 def _show(points: Sequence[SweptPoint]) -> None:
     """Print one row per point: how often the effect was named, and the errors of the varied numbers."""
+    from ..words.sweep import columns, meaning, point_cells
+
     if not points:
         return
     table = ReportTable(number_of(len(points), "point"))

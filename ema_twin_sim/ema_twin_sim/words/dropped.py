@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 from ..discovery.steps import Step
@@ -31,13 +32,8 @@ def less_dropped(steps: Sequence[Step]) -> tuple[list[Step], str]:
 
 def _named(steps: Sequence[Step]) -> list[str]:
     """The effects of these steps in words; how many of each, if there were several."""
-    count: dict[str, int] = {}
-    for step in steps:
-        count[step.effect] = count.get(step.effect, 0) + 1
-    repeating = {id for id, effect in catalogue().items() if effect.depends_on == "order"}
-    return [
-        effect_words(id)
-        if number == 1
-        else f"{effect_words(id)} {f'at {number} orders' if id in repeating else f'({number} times)'}"
-        for id, number in count.items()
-    ]
+    named = []
+    for id, count in Counter(step.effect for step in steps).items():
+        often = f" at {count} orders" if catalogue()[id].depends_on == "order" else f" ({count} times)"
+        named.append(f"{effect_words(id)}{often if count > 1 else ''}")
+    return named

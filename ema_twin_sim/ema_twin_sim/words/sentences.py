@@ -8,16 +8,20 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..comparison.beyond_noise import is_noise, times_words, told_share
+from ..comparison.running_comparison import SignalError
 from ..criteria import CLEARLY_MORE, MOSTLY, NOISY, SUREST
+from ..discovery.steps import Step
+from ..effects import catalogue
+from ..effects.effect import OUTPUT_TORQUE
 from ..listing import listed
+from ..model import Model
+from ..model.model import ORDER_ERROR
+from ..model.own_units import is_linear
 from ..quantities import MOST_TIMES, limited_factor, quantity
 
 if TYPE_CHECKING:
-    from ..comparison.running_comparison import SignalError
     from ..discovery.discover import Discovery
-    from ..discovery.steps import Step
     from ..discovery.unseen import Unseen
-    from ..model import Model
     from .findings import Findings, UnseenErrors
     from .fit_findings import FitFindings
 
@@ -234,10 +238,6 @@ def options_words(options: Mapping[str, str]) -> str:
 
 def order_sentences(model: Model, names: Iterable[str]) -> list[str]:
     """Sentences on the machine parts that repeat at the effects' orders; if the model names none, what they may be."""
-    from ..effects import catalogue
-    from ..model.model import ORDER_ERROR
-    from ..model.own_units import is_linear
-
     told = []
     unnamed: dict[tuple[str, str], list[str]] = {}
     for name in names:
@@ -289,9 +289,6 @@ def output_sentence(model: Model, names: Iterable[str]) -> str:
 
 def _has_output_torque(model: Model, name: str) -> bool:
     """Whether an instance acts on the output with a parameter that is a torque."""
-    from ..effects import catalogue
-    from ..effects.effect import OUTPUT_TORQUE
-
     instance = model.effects[name]
     effect = catalogue()[instance.effect]
     on_output = effect.where(instance.options) == OUTPUT_TORQUE or instance.options.get("side") == "output"

@@ -85,19 +85,14 @@ def course_words(look: Outlook) -> str:
     of, trend = look.history, look.trend
     last = float(of.values[-1])
     told = (
-        f"{feature_words(look)}: in the last test {abs(last):.{0 if abs(last) > 10.0 else 1}f} standard deviations "
-        f"{'above' if last > 0.0 else 'below'} the healthy"
+        f"{of.name.replace('_', ' ')}: in the last test {abs(last):.{0 if abs(last) > 10.0 else 1}f} standard "
+        f"deviations {'above' if last > 0.0 else 'below'} the healthy"
     )
     if trend is None:
         since = f" since {of.names[look.change.begin]}" if look.change else ""
         return f"{told}, without a trend{since}" if of.dated else told
     slope = estimate(abs(trend.slope) * MONTH, trend.slope_error * MONTH, "1")
     return f"{told}, {'rising' if trend.slope > 0.0 else 'falling'} by {slope} a month"
-
-
-def feature_words(look: Outlook) -> str:
-    """A feature's name: *fast roughness*."""
-    return look.history.name.replace("_", " ")
 
 
 def test_cells(test: JudgedTest) -> tuple[str, ...]:
