@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..criteria import NOISY, SMALL
 from ..quantities import MOST_TIMES
+from ..simulation.compared_signals import drifting
 
 if TYPE_CHECKING:
     from .running_comparison import SignalError
@@ -15,8 +16,6 @@ if TYPE_CHECKING:
 
 def shown_signals(source: str, signals: Mapping[str, SignalError]) -> list[str]:
     """The compared signals whose errors are meaningful with a given input."""
-    from ..simulation.compared_signals import drifting  # with numpy, which the command line does without at first
-
     left_out = drifting(source)
     return [name for name, signal in signals.items() if not signal["driven"] and name not in left_out]
 
