@@ -36,16 +36,18 @@ def run(
     json: options.JsonFile = None,
 ) -> None:
     """Compare models with recordings: RMSE per signal next to the sensors' noise floor, and where the model fails."""
-    from ..comparison.closeness import closer
-    from ..comparison.compare import compare_all
-    from ..words.open_values import open_values_sentence
     from .inputs import check_outputs, input_files, write_json
-    from .judged import read_judged, warn_of
-    from .shown_comparison import show_comparison
 
     check_outputs(input_files(runs, model, import_map, with_files), force, json=json, rrd=rrd)
     if rrd is not None and len(model) > _MOST_MODELS:
         raise InputError(f"--rrd {rrd}: shows one to three models side by side; --model was given {len(model)} times")
+
+    from ..comparison.closeness import closer
+    from ..comparison.compare import compare_all
+    from ..words.open_values import open_values_sentence
+    from .judged import read_judged, warn_of
+    from .shown_comparison import show_comparison
+
     recordings, models, _ = read_judged(
         runs, model, with_files, import_map=import_map, start=start, end=end, strict=strict
     )

@@ -85,15 +85,17 @@ def run(
     recorded speed leads in one recording. A limit given as an option replaces the recorded one and is never exceeded;
     the others then stay as recorded.
     """
+    from .inputs import check_outputs, input_files, write_json
+
+    check_outputs(input_files(runs, [model], import_map, with_files), force, command=output, json=json)
+
     from ema_bench_replay.outputs import new_file
 
     from ..discovery.plan import plan
     from ..simulation.command import write_command
-    from .inputs import check_outputs, input_files, write_json
     from .judged import read_judged, warn_of
     from .shown_plan import show_how, show_plan
 
-    check_outputs(input_files(runs, [model], import_map, with_files), force, command=output, json=json)
     recordings, (before,), excluded = read_judged(
         runs, [model], with_files, without, import_map=import_map, start=start, end=end, strict=strict
     )

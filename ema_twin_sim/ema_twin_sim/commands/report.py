@@ -68,14 +68,7 @@ def run(
     runners-up, the steps of the search, and the recording to make next. A third model is shown where fitting moved any
     number by more than its standard error.
     """
-    from ..model import load_model
-    from ..own_effects import load_effects
-    from ..report.fitted import check_same_effects
-    from ..words.findings import read_findings
-    from ..words.fit_findings import read_fit_findings
-    from ..words.origin import refuse_foreign
     from .inputs import check_outputs, input_files, load_runs
-    from .judged import with_noise_told, with_one_zero
 
     if len(model) not in (2, 3):
         raise InputError(
@@ -87,6 +80,14 @@ def run(
     given = [*runs, *(held_out or ())]
     inputs = [*input_files(given, model, import_map, with_files), *filter(None, (discovery, fit))]
     check_outputs(inputs, force, page=output)
+
+    from ..model import load_model
+    from ..own_effects import load_effects
+    from ..report.fitted import check_same_effects
+    from ..words.findings import read_findings
+    from ..words.fit_findings import read_fit_findings
+    from ..words.origin import refuse_foreign
+    from .judged import with_noise_told, with_one_zero
     from .report_page import searched, write_page
 
     load_effects(with_files or ())

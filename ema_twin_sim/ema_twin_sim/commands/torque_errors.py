@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
-from ..comparison.torque_error import TorqueError
 from .output import say
+
+if TYPE_CHECKING:  # its filters take a second to import
+    from ..comparison.torque_error import TorqueError
 
 
 def show_torque_errors(errors: Mapping[str, TorqueError], motion: str, model: str = "") -> None:
