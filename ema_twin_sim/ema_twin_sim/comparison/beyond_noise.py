@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from ..criteria import NOISY, SMALL
 from ..quantities import MOST_TIMES
-from ..simulation.compared_signals import drifting
 
 if TYPE_CHECKING:
     from .running_comparison import SignalError
@@ -16,6 +15,8 @@ if TYPE_CHECKING:
 
 def shown_signals(source: str, signals: Mapping[str, SignalError]) -> list[str]:
     """The compared signals whose errors are meaningful with a given input."""
+    from ..simulation.compared_signals import drifting  # with the whole simulation
+
     left_out = drifting(source)
     return [name for name, signal in signals.items() if not signal["driven"] and name not in left_out]
 

@@ -8,9 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..comparison.beyond_noise import is_noise, times_words, told_share
-from ..comparison.running_comparison import SignalError
 from ..criteria import CLEARLY_MORE, MOSTLY, NOISY, SUREST
-from ..discovery.steps import Step
 from ..effects import catalogue
 from ..effects.effect import OUTPUT_TORQUE
 from ..listing import listed
@@ -20,7 +18,9 @@ from ..model.own_units import is_linear
 from ..quantities import MOST_TIMES, limited_factor, quantity
 
 if TYPE_CHECKING:
+    from ..comparison.running_comparison import SignalError
     from ..discovery.discover import Discovery
+    from ..discovery.steps import Step
     from ..discovery.unseen import Unseen
     from .findings import Findings, UnseenErrors
     from .fit_findings import FitFindings
