@@ -90,7 +90,6 @@ def run(
     """
     from ema_bench_replay.configuration import find_configuration
 
-    from ..model.model_file import check_model_name
     from ..new_machine.drafts import checked_drafts
     from ..new_machine.given import Given
     from ..new_machine.lengths import told_of_turns
@@ -98,19 +97,14 @@ def run(
     from ..new_machine.told import assumed_units
     from .asked_machine import asked
     from .guessed_columns import guessed_columns
-    from .shown_draft import (
-        in_unit,
-        say_next,
-        say_what_it_rests_on,
-        warn_of_contradicted_names,
-        warn_of_foreign_units,
-    )
+    from .shown_draft import in_unit, say_next, say_what_it_rests_on, warn_of_contradicted_names, warn_of_foreign_units
 
     place = Path(output)
     if place.suffix.lower() in (".yaml", ".yml"):  # a model's file name, which other commands take
         place = place.with_suffix("")
+    if not place.name:
+        raise InputError(f"-o {output}: is a folder; add a name, as in -o {place / 'press'}")
     files = place.with_name(f"{place.name}_map.yaml"), place.with_name(f"{place.name}.yaml")
-    check_model_name(files[1])
     for path in files if import_map is None else files[1:]:
         if path.exists() and not force:
             raise InputError(f"{path}: exists already; give another name with -o, or --force to replace it")
