@@ -54,14 +54,14 @@ def run(
         diagnosis = weigh(found)
         if evidence is not None:
             progress("writing the evidence")
-            write_evidence_bag(found, recordings, evidence, force=force)
+            write_evidence_bag(found, evidence, force=force)
         if rrd is not None:
             from .rerun_file import tell_of_rrd, write_rrd
 
             progress("writing the views")
             both = (before, found.model)
             labels = (before.name, "with the effects found")
-            tabs = write_rrd(rrd, recordings, both, labels, findings_of(found, diagnosis), force=force)
+            tabs = write_rrd(rrd, found.given, both, labels, findings_of(found, diagnosis), force=force)
         progress("looking for what to record next")
         content = diagnosis.as_json()
     warn_of(diagnosis.misread, recordings)

@@ -63,7 +63,7 @@ def run(
         save_model(found.model, output, force=force)
         if evidence is not None:
             progress("writing the evidence")
-            write_evidence_bag(found, found.given, evidence, force=force)
+            write_evidence_bag(found, evidence, force=force)
         both, labels, findings = (before, found.model), (model, output), None
         if report is not None or rrd is not None:
             from .report_page import weighed, write_page

@@ -67,12 +67,12 @@ def with_noise_told(recordings: Sequence[Recording], model: Model) -> Model:
     return found
 
 
-def write_evidence_bag(found: Discovery, recordings: Sequence[Recording], file: Path, *, force: bool) -> None:
+def write_evidence_bag(found: Discovery, file: Path, *, force: bool) -> None:
     """Write what each step of the search left unexplained as an MCAP."""
     from ..views.evidence_bag import write_evidence
 
     # the search splits a single table of operating points in two
-    used = recordings if len(recordings) == len(found.recordings) else found.recordings
+    used = found.given if len(found.given) == len(found.recordings) else found.recordings
     write_evidence(found, used, file, force=force)
 
 
