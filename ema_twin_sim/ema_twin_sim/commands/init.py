@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Annotated
@@ -16,8 +17,6 @@ from . import options
 from .output import say, warn
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from ..new_machine.columns import Guess
     from ..new_machine.given import Given
 

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from ..listing import by_recording, number_of
 from . import options
 from .output import counted, say, warn
-
-if TYPE_CHECKING:
-    from ..campaign.histories import Outlook
-    from ..campaign.unit_health import UnitHealth
-    from ..campaign.units import Unit
 
 EXAMPLES = """Examples:
 
@@ -75,9 +69,9 @@ def run(
     from ..campaign.feature_courses import feature_courses
     from ..campaign.healthy import Healthy
     from ..campaign.healthy_chosen import check_choice
-    from ..campaign.histories import FEWEST_HEALTHY, outlooks, read_limits
+    from ..campaign.histories import FEWEST_HEALTHY, Outlook, outlooks, read_limits
     from ..campaign.store import Store
-    from ..campaign.unit_health import sickest_first, unit_health
+    from ..campaign.unit_health import UnitHealth, sickest_first, unit_health
     from ..campaign.units import units_of
     from ..model.model import nearest
     from ..words.units import fleet_words, unit_words
@@ -146,12 +140,6 @@ def run(
         with counted(len(found), "writing pages") as done:
             overview = write_fleet(page, found, ahead, health, copies, force=force, done=done)
         say(f"{overview}: open it in any browser")
-    write_json(json, [_json(one, ahead[one.name], health[one.name]) for one in found])
-
-
-def _json(one: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> dict[str, object]:
-    return {
-        **one.as_json(),
-        "numbers": [look.as_json() for look in looks],
-        "health": None if health is None else health.as_json(),
-    }
+    numbers = {name: [look.as_json() for look in looks] for name, looks in ahead.items()}
+    judged = {name: None if of is None else of.as_json() for name, of in health.items()}
+    write_json(json, [{**one.as_json(), "numbers": numbers[one.name], "health": judged[one.name]} for one in found])
