@@ -19,6 +19,11 @@ def first_of(names: Sequence[str]) -> str:
     return f"{names[0]} and {len(names) - 1} more" if len(names) > 1 else names[0]
 
 
+def few_of(names: Sequence[str], most: int = 5) -> str:
+    """``a, b, c, d and 3 more``: at most so many."""
+    return listed(names if len(names) <= most else [*names[: most - 1], f"{len(names) - most + 1} more"])
+
+
 def by_recording(warnings: Iterable[str], most: int = 5) -> list[str]:
     """Warnings that begin with a recording's name: one for all recordings with the same, naming up to ``most`` of them.
 
@@ -38,9 +43,7 @@ def by_recording(warnings: Iterable[str], most: int = 5) -> list[str]:
             (text, (name, *_)), count = told[0], sum(len(names) for _, names in told)
             found.append(f"{name}{text} (and {count - 1} more like it)")
             continue
-        for text, names in told:
-            shown = names if len(names) <= most else [*names[: most - 1], f"{len(names) - most + 1} more"]
-            found.append(f"{listed(shown)}{text}")
+        found += [f"{few_of(names, most)}{text}" for text, names in told]
     return found
 
 

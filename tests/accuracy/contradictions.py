@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ema_bench_replay.recording import Recording
-from ema_twin_sim.commands.diagnose import show
 from ema_twin_sim.commands.output import console
 from ema_twin_sim.commands.shown_comparison import show_comparison
+from ema_twin_sim.commands.shown_diagnosis import show_diagnosis
 from ema_twin_sim.commands.shown_fit import show_fit
 from ema_twin_sim.commands.shown_search import show_search
 from ema_twin_sim.comparison.beyond_noise import beyond_noise
@@ -60,7 +60,10 @@ def told_of(recordings: Sequence[Recording], model: Model, *, fitted: bool = Fal
     """All that is said of recordings beside a model; ``fitted``: with what ``fit`` says of the model that was found."""
     found = discover(recordings, model)
     diagnosis = weigh(found)
-    texts = {"discover": _printed(lambda: show_search(found)), "diagnose": _printed(lambda: show(diagnosis))}
+    texts = {
+        "discover": _printed(lambda: show_search(found)),
+        "diagnose": _printed(lambda: show_diagnosis(diagnosis)),
+    }
     models = (model, found.model)
     comparisons = compare_all(recordings, models)
     alone = [compare(recordings, model), compare(recordings, found.model)]

@@ -32,7 +32,7 @@ def test_speed_of_the_finest_fidelity(tmp_path, say):
     """Switching drive and planetary train; the same motion as C's until a switch falls a step apart."""
     function = c_loop("switching_planetary", tmp_path)
     run = Run(load_model("polito_hff"), wave(0.02), FINE_STEP)
-    np.testing.assert_allclose(run.by_c(function), run.by_kernel(), rtol=1e-9, atol=1e-9)
+    run.assert_same_in_c(function)
     ours, theirs = fastest(ROUNDS, run.by_kernel, lambda: run.by_c(function))
     rows = [("kernel", ours, theirs), ("C", theirs, theirs)]
     show(
@@ -49,7 +49,7 @@ def test_speed_of_two_inertias(tmp_path, say):
     stock = load_model("polito_bench")
     shaft, play = (Run(stock.with_effect(id), wave(1.0), DEFAULT_STEP) for id in ("shaft_compliance", "backlash"))
     for run in (shaft, play):
-        np.testing.assert_allclose(run.by_c(function), run.by_kernel(), rtol=1e-9, atol=1e-9)
+        run.assert_same_in_c(function)
     shaft_ours, shaft_c, play_ours, play_c = fastest(
         ROUNDS, shaft.by_kernel, lambda: shaft.by_c(function), play.by_kernel, lambda: play.by_c(function)
     )

@@ -64,6 +64,10 @@ class Run:
         self.seconds = self.stamps[-1] * 1e-9
         self.rows = np.zeros((len(setpoint), len(TWIN)))
         self.state, self.fine = np.zeros(1, STATE), resting_state(self.assembly.fine)
+        self._first = np.zeros(1, STATE)
+        for speed in ("motor_speed", "output_speed", "smoothed_speed", "speed_setpoint"):
+            self._first[speed] = self.setpoint[0]
+        self._first["control_phase"] = self.assembly.plant["control_cycle"]
         self._bench = np.full((len(setpoint), len(BENCH)), np.nan)
         self._bench[:, BENCH.index("load_torque")] = 0.0
         self._bench[:, BENCH.index("speed_setpoint")] = self.setpoint
@@ -71,25 +75,21 @@ class Run:
 
     def begin(self) -> None:
         """Let the run start at the setpoint's first speed."""
-        self.state[:] = 0
-        for speed in ("motor_speed", "output_speed", "smoothed_speed", "speed_setpoint"):
-            self.state[speed] = self.setpoint[0]
-        self.state["control_phase"] = self.assembly.plant["control_cycle"]
+        self.state.view(np.uint8)[:] = self._first.view(np.uint8)  # field by field takes 7 us
         if self.fine_model:
             self.fine = resting_state(self.assembly.fine)
             set_in_motion(self.fine, self.assembly.fine, self.setpoint[0], 0.0, 0.0)
 
-    def by_kernel(self, record: bool = False) -> list[float]:
-        """The motion at the end."""
+    def by_kernel(self, record: bool = False) -> None:
+        """Run the kernel over the whole setpoint."""
         self.begin()
         self._advance(
             self.assembly.plant, self.state, self.assembly.acting, self.assembly.effects, (*self.fine,), SETPOINT,
             self.stamps, self._bench, self.rows, self.step, record,
         )  # fmt: skip
-        return self.motion()
 
-    def by_c(self, function: ctypes._CFuncPtr) -> list[float]:
-        """The motion at the end."""
+    def by_c(self, function: ctypes._CFuncPtr) -> None:
+        """Run a C loop over the whole setpoint."""
         self.begin()
         parts: list[object] = []
         if self.assembly.fine.planetary:
@@ -100,8 +100,10 @@ class Run:
             pointer(self.assembly.plant), pointer(self.state), *parts, pointer(self.setpoint),
             ctypes.c_long(len(self.setpoint)), ctypes.c_double(PERIOD * 1e-9), ctypes.c_double(self.step),
         )  # fmt: skip
-        return self.motion()
 
-    def motion(self) -> list[float]:
-        """The state's values by MOTION."""
-        return [float(self.state[name][0]) for name in MOTION]
+    def assert_same_in_c(self, function: ctypes._CFuncPtr, names: tuple[str, ...] = MOTION) -> None:
+        """Whether the kernel and a C loop end in the same motion, by the ``names`` of states that both have."""
+        self.by_c(function)
+        in_c = [float(self.state[name][0]) for name in names]
+        self.by_kernel()
+        np.testing.assert_allclose([float(self.state[name][0]) for name in names], in_c, rtol=1e-9, atol=1e-9)

@@ -28,6 +28,7 @@ from ema_twin_sim.quantities import estimate
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from ema_twin_sim.words import sentences as wording
+from ema_twin_sim.words.findings import Findings
 from ema_twin_sim.words.ranking import worth_showing
 from tests.command_line import LONGEST, MODEL, done, refused
 
@@ -282,13 +283,14 @@ def test_estimates_have_the_digits_that_mean_something(number, text):
 
 
 def test_verdicts_in_words():
-    sentence = wording.verdict_sentence
-    assert sentence("explained", ["backlash", "stribeck_friction", "cogging"], ()).endswith(
-        "backlash, Stribeck friction and cogging."
-    )
-    assert "depends on the output's position." in sentence("unknown", [], ["output_position"])
-    assert sentence("unknown", [], ["time"], left_over="from 1 to 2").endswith("depends on time: from 1 to 2.")
-    assert sentence("unknown", ["cogging"], ()).startswith("Your model lacks cogging. A further error remains")
+    def sentence(verdict, *added, **found):
+        return wording.verdict_of(Findings(verdict, added, **found))
+
+    three = sentence("explained", "backlash", "stribeck_friction", "cogging")
+    assert three.endswith("backlash, Stribeck friction and cogging.")
+    assert "depends on the output's position." in sentence("unknown", depends_on=("output_position",))
+    assert sentence("unknown", depends_on=("time",), left_over="from 1 to 2").endswith("depends on time: from 1 to 2.")
+    assert sentence("unknown", "cogging").startswith("Your model lacks cogging. A further error remains")
     assert "gravity load or constant load" in wording.groups_sentence([["gravity_load", "constant_load"]])
     assert wording.effect_words("time#3") == "any dependence on time"
 

@@ -33,6 +33,7 @@ def test_refused_commands(tmp_path):
     refused("simulate", "--model", "polito_bench", "--command", "ramp:1", "-o", tmp_path / "x.txt", naming=(".mcap",))
     long = ("--command", "ramp:1", "--seconds", "1e9")
     refused("simulate", "--model", "polito_bench", *long, *made, naming=("--seconds",))
+    refused("init", tmp_path / "run.csv", "-o", ".", naming=("-o .: is a folder", "-o press"))
 
 
 def test_refused_recordings(tmp_path, ramp):

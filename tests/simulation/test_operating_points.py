@@ -130,7 +130,7 @@ def test_an_error_of_points_depends_on_no_time(held, motor):
 
 def test_the_evidence_of_a_lone_table_is_written(held, motor, tmp_path):
     found = discover([held], motor)
-    write_evidence_bag(found, [held], tmp_path / "found.mcap", force=False)
+    write_evidence_bag(found, tmp_path / "found.mcap", force=False)
     with (tmp_path / "found.mcap").open("rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
         messages = [

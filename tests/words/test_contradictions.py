@@ -17,8 +17,8 @@ from ema_twin_sim.live.diagnosing.judge import settings_between
 from ema_twin_sim.measured.noise import noise_of
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
-from ema_twin_sim.words.findings import UnseenErrors
-from ema_twin_sim.words.sentences import LARGER, refit_sentence, removed_words, verdict_sentence
+from ema_twin_sim.words.findings import Findings, UnseenErrors
+from ema_twin_sim.words.sentences import LARGER, refit_sentence, removed_words, verdict_of
 from tests.accuracy.contradictions import contradictions, told_of
 
 FAR_OFF = {"machine.motor_inertia": 1.5, "machine.output_inertia": 1.5}
@@ -107,14 +107,14 @@ def test_a_perfect_twin_stands_at_the_noise_floor_however_long_its_recordings_ar
 
 
 def test_nothing_is_missing_is_not_said_beside_what_stands_out():
-    said = verdict_sentence("none", (), (), beyond={"speed": 6.04, "current": 1.3})
+    said = verdict_of(Findings("none", (), beyond_noise={"speed": 6.04, "current": 1.3}))
     assert said == (
         "These recordings show no missing effect, but the speed's error is 6.0 times the sensors' noise and the "
         "current's 1.3 times."
     )
-    quiet = verdict_sentence("none", (), (), beyond={"motor_torque": math.inf})
+    quiet = verdict_of(Findings("none", (), beyond_noise={"motor_torque": math.inf}))
     assert quiet.endswith("but the noise of the motor torque is not known, so nothing says how large an error may be.")
-    assert verdict_sentence("none", (), (), beyond={}) == "These recordings show nothing missing."
+    assert verdict_of(Findings("none", ())) == "These recordings show nothing missing."
 
 
 def test_live_does_not_say_to_its_noise_where_health_warns(stock):

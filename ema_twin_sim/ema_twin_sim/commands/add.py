@@ -27,7 +27,7 @@ def run(
     output: options.NewModel,
     set: Annotated[
         list[str] | None,
-        typer.Option("--set", metavar="NAME=VALUE", help="A parameter or option; those not given take their defaults."),
+        typer.Option(metavar="NAME=VALUE", help="A parameter or option; those not given take their defaults."),
     ] = None,
     with_files: options.WithFiles = None,
     force: options.Force = False,

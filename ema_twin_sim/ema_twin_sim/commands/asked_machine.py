@@ -4,20 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import typer
 
 from ema_bench_replay.errors import InputError
 
-from . import options
+from ..new_machine.columns import Guesses, named_columns
+from ..new_machine.given import Given
+from .options import GEAR_RATIO, TORQUE_CONSTANT, length
 
-if TYPE_CHECKING:
-    from ..new_machine.columns import Guesses
-    from ..new_machine.given import Given
-
-GEAR_RATIO = options.number(1e-3, 1e5, "turns of the motor per turn of the output")
-TORQUE_CONSTANT = options.number(1e-6, options.LARGEST, "N m/A (of a linear machine N/A)")
 SHAFTS = "motor", "output"
 _TRAVEL = "Way of the slide per turn of its motor, as in '5 mm' (leave empty for a motor that does not turn)"
 _RATIO = "Turns of the motor per turn of the output"
@@ -36,8 +31,6 @@ _QUESTIONS = {
 
 def asked(given: Given) -> tuple[Guesses, Given]:
     """Ask for the columns and the machine's numbers; return both. Each answer is checked as it is given."""
-    from ..new_machine.columns import named_columns
-
     answers = {signal: _ask(text, "") for signal, text in _QUESTIONS.items()}
     named = {signal: column for signal, column in answers.items() if column}
     if not named.keys() & {"current", "motor_torque"} or not named.keys() & {"motor_position", "speed"}:
@@ -60,7 +53,7 @@ def _of_slide(given: Given, *, has_current: bool) -> Given:
     if not has_current:
         return given
     if given.travel_per_turn is None and (said := _ask(_TRAVEL, "", "give --travel-per-turn")):
-        given = replace(given, travel_per_turn=_parsed(options.length, said))
+        given = replace(given, travel_per_turn=_parsed(length, said))
     return _with_constant(given)
 
 

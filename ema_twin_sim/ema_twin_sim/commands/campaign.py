@@ -6,6 +6,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
+from functools import cache
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Annotated
@@ -70,7 +71,6 @@ def run(
     do: Annotated[
         str,
         typer.Option(
-            "--do",
             metavar="VERB",
             help="What to do: compare, fit, diagnose or discover; or health (compare each recording with the unit's "
             "own healthy ones).",
@@ -80,7 +80,6 @@ def run(
     unit: Annotated[
         str | None,
         typer.Option(
-            "--unit",
             metavar="PATTERN",
             help="Regular expression for a recording's path with (?P<unit>...) and, optionally, (?P<time>...) and "
             "(?P<test>...). By default a unit is a folder in FOLDER, and a test a folder in that.",
@@ -89,7 +88,6 @@ def run(
     together: Annotated[
         str,
         typer.Option(
-            "--together",
             metavar="WHAT",
             help="What to judge together: recording (each alone), folder (all in a folder) or unit (all of a unit).",
             autocompletion=_together,
@@ -100,7 +98,6 @@ def run(
     wavelength: Annotated[
         float | None,
         typer.Option(
-            "--wavelength",
             metavar="M|RAD",
             parser=options.number(1e-9, options.LARGEST, "m or rad"),
             help="With --do health: travel after which the machine repeats, such as the lead of a screw; by default "
@@ -146,7 +143,7 @@ def run(
     )
     grouping = Grouping.of(folder.resolve(), unit, together)
     store = Store.made(output)
-    tell = _once()
+    tell = cache(warn)  # of what is said at each look, the first time alone
     try:
         first = _waiting(grouping, task, store, set(), tell)
     except InputError as error:  # the folder is still empty, or a file's name does not fit
@@ -168,18 +165,6 @@ def run(
         raise typer.Exit(2)  # nothing was judged, as with any command whose input is refused
     if counts["failed"] and not counts["done"]:
         raise typer.Exit(1)
-
-
-def _once() -> Callable[[str], None]:
-    """Return a function that prints each warning only once."""
-    told: set[str] = set()
-
-    def tell(text: str) -> None:
-        if text not in told:
-            told.add(text)
-            warn(text)
-
-    return tell
 
 
 def _waiting(grouping: Grouping, task: Task, store: Store, known: set[str], tell: Callable[[str], None]) -> list[Job]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from ema_bench_replay.errors import InputError
+
 from . import options
 from .output import counted, say, status
-from .shown_comparison import show_comparison
 
 EXAMPLES = """Examples:
 
@@ -15,6 +16,9 @@ ema-twin compare bench/*.CSV --model polito_bench --model better.yaml --json err
 ema-twin compare run.mcap --model polito_bench --rrd run.rrd     (then: rerun run.rrd)
 
 ema-twin compare run.mcap --model mine.yaml --with position_friction.py"""
+
+_MOST_MODELS = 3
+"""Number of models that the views show side by side."""
 
 
 def run(
@@ -32,23 +36,21 @@ def run(
     json: options.JsonFile = None,
 ) -> None:
     """Compare models with recordings: RMSE per signal next to the sensors' noise floor, and where the model fails."""
+    from .inputs import check_outputs, input_files, write_json
+
+    check_outputs(input_files(runs, model, import_map, with_files), force, json=json, rrd=rrd)
+    if rrd is not None and len(model) > _MOST_MODELS:
+        raise InputError(f"--rrd {rrd}: shows one to three models side by side; --model was given {len(model)} times")
+
     from ..comparison.closeness import closer
     from ..comparison.compare import compare_all
-    from ..model import load_model
-    from ..own_effects import load_effects
     from ..words.open_values import open_values_sentence
-    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, with_noise_told, write_json
-    from .judged import warn_of, with_one_zero
-    from .rerun_file import check_rrd_name, tell_of_rrd, write_rrd
+    from .judged import read_judged, warn_of
+    from .shown_comparison import show_comparison
 
-    refuse_inputs(input_files(runs, model, import_map, with_files), json, rrd)
-    check_rrd_name(rrd, len(model))
-    refuse_existing(force, rrd)
-    load_effects(with_files or ())
-    models = [load_model(name) for name in model]
-    recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
-    recordings = with_one_zero(recordings, models)
-    models = [with_noise_told(recordings, given) for given in models]
+    recordings, models, _ = read_judged(
+        runs, model, with_files, import_map=import_map, start=start, end=end, strict=strict
+    )
     with counted(len(models) * len(recordings), "comparing") as done:
         comparisons = compare_all(
             recordings,
@@ -70,6 +72,8 @@ def run(
     beside = [{**other.as_json(), "times_closer": closer(first, other).as_json()} for other in others]
     write_json(json, [first.as_json(), *beside] if beside else first.as_json())
     if rrd is not None:
+        from .rerun_file import tell_of_rrd, write_rrd
+
         with status() as progress:
             progress("writing the views")
             tabs = write_rrd(

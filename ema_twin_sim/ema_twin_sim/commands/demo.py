@@ -14,16 +14,8 @@ from ema_bench_replay.errors import InputError
 
 from ..listing import listed
 from ..quantities import quantity
-from ..words.sentences import effect_words, fit_sentences
 from . import options
-from .live_error import LINES_ARE, ErrorPrinter
-from .live_view import LiveView
 from .output import console, say, status, warn
-from .report_page import fitting_moved, weighed, write_page
-from .rerun_file import write_rrd
-from .shown_comparison import show_comparison
-from .shown_fit import errors_table
-from .shown_search import show_search
 
 if TYPE_CHECKING:
     from ..discovery.discover import Discovery
@@ -66,6 +58,14 @@ def run(
     from ..views.rerun_view import RerunView
     from ..views.screen import open_viewer
     from ..words.fit_findings import fit_findings_of
+    from ..words.sentences import effect_words, fit_sentences
+    from .live_error import LINES_ARE, ErrorPrinter
+    from .live_view import LiveView
+    from .report_page import fitting_moved, weighed, write_page
+    from .rerun_file import write_rrd
+    from .shown_comparison import show_comparison
+    from .shown_fit import errors_table
+    from .shown_search import show_search
 
     begin = time.perf_counter()
     root = checkout()
@@ -95,11 +95,7 @@ def run(
     beside, moments = switched_off(stock, found.model), moments_of(_most_telling_first(found), played.duration)
     switched = [f"{effect_words(name)} is switched on after {moment:g} s" for name, moment in moments.items()]
     changing = f"in the running twin, {listed(switched)}" if switched else "nothing is switched on in the twin"
-    _chapter(
-        "4",
-        "Live: replay, twin and monitor as ROS 2 nodes",
-        f"{played.name} at {rate:g} × real time; {changing}",
-    )
+    _chapter("4", "Live: replay, twin and monitor as ROS 2 nodes", f"{played.name} at {rate:g} × real time; {changing}")
     rrd = output / "live.rrd"
     view = LiveView(RerunView(rrd, "ema-twin demo", noise, model=stock))
     view.tell(0.0, "stock model and bench")

@@ -2,24 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from ..words.ranking import ranked_words, size_words, worth_showing
-from ..words.sentences import (
-    NOT_IN_CATALOGUE,
-    no_effect_words,
-    order_sentences,
-    removed_words,
-    surest_sentence,
-    verdict_of,
-)
 from . import options
-from .output import console, say, status
-from .shown_search import show_doubts
-from .tables import ReportTable, is_narrow
-
-if TYPE_CHECKING:
-    from ..discovery.diagnose import Diagnosis
+from .output import say, status
 
 EXAMPLES = """Examples:
 
@@ -28,8 +12,6 @@ ema-twin diagnose recordings --model polito_bench
 ema-twin diagnose run.mcap --model better.yaml --json diagnosis.json --evidence diagnosis.mcap
 
 ema-twin diagnose recordings --model polito_bench --with position_friction.py --without gravity_load"""
-
-_BAR = 20
 
 
 def run(
@@ -51,76 +33,43 @@ def run(
     Several effects may be missing at once; each has its own probability. diagnose writes no model: use discover for
     that.
     """
-    from .inputs import input_files, refuse_evidence, refuse_existing, refuse_inputs
-    from .judged import read_judged, warn_of, write_evidence_bag, write_findings
-    from .rerun_file import check_rrd_name, tell_of_rrd, write_rrd
+    from .inputs import check_outputs, input_files
 
-    refuse_inputs(input_files(runs, [model], import_map, with_files), json, evidence, rrd)
-    refuse_evidence(evidence)
-    check_rrd_name(rrd)
-    refuse_existing(force, evidence, rrd)
+    inputs = input_files(runs, [model], import_map, with_files)
+    check_outputs(inputs, force, json=json, evidence=evidence, rrd=rrd)
 
     from ..discovery.diagnose import weigh
     from ..discovery.discover import discover
     from ..words.findings import findings_of
+    from ..words.sentences import order_sentences, verdict_of
+    from .judged import read_judged, warn_of, write_evidence_bag, write_findings
+    from .shown_diagnosis import show_diagnosis
 
-    given = read_judged(runs, model, with_files, without, import_map=import_map, start=start, end=end, strict=strict)
+    recordings, (before,), excluded = read_judged(
+        runs, [model], with_files, without, import_map=import_map, start=start, end=end, strict=strict
+    )
     with status() as progress:
-        found = discover(given.recordings, given.model, without=given.without, progress=progress)
+        found = discover(recordings, before, without=excluded, progress=progress)
         progress("computing probabilities")
         diagnosis = weigh(found)
         if evidence is not None:
             progress("writing the evidence")
-            write_evidence_bag(found, given.recordings, evidence, force=force)
+            write_evidence_bag(found, evidence, force=force)
         if rrd is not None:
+            from .rerun_file import tell_of_rrd, write_rrd
+
             progress("writing the views")
-            both = (given.model, found.model)
-            labels = (given.model.name, "with the effects found")
-            tabs = write_rrd(rrd, given.recordings, both, labels, findings_of(found, diagnosis), force=force)
+            both = (before, found.model)
+            labels = (before.name, "with the effects found")
+            tabs = write_rrd(rrd, found.given, both, labels, findings_of(found, diagnosis), force=force)
         progress("looking for what to record next")
         content = diagnosis.as_json()
-    warn_of(diagnosis.misread, given.recordings)
-    say(verdict_of(found, without=given.without), style="bold")
-    show(diagnosis, given.model.motion)
+    warn_of(diagnosis.misread, recordings)
+    say(verdict_of(found, without=excluded), style="bold")
+    show_diagnosis(diagnosis, before.motion)
     for text in order_sentences(found.model, found.parameters):
         say(text)
-    warn_of(diagnosis.warnings, given.recordings, told=diagnosis.misread)
+    warn_of(diagnosis.warnings, recordings, told=diagnosis.misread)
     write_findings(json, content, found)
     if rrd is not None:
         tell_of_rrd(rrd, tabs)
-
-
-def show(diagnosis: Diagnosis, motion: str = "rotary") -> None:
-    """Print the ranking and what is in doubt."""
-    table = ReportTable("\nWhat the model may lack")
-    table.words("effect")
-    table.numbers("probability", justify="left")
-    table.numbers("error removed")
-    table.words("parameters")
-    shown, left_out = worth_showing(diagnosis.ranking)
-    for entry in shown:
-        removed = "" if entry.error_removed is None else removed_words(entry.error_removed)
-        style = "bold green" if entry.found else ("" if entry.probability > 0.0 else "dim")
-        table.add_row(ranked_words(entry), _bar(entry.probability), removed, "\n".join(size_words(entry)), style=style)
-    table.add_section()
-    for label, probability in (
-        (no_effect_words(diagnosis.beyond_noise), diagnosis.none),
-        (NOT_IN_CATALOGUE, diagnosis.unknown),
-    ):
-        table.add_row(label, _bar(probability), "", "", style="" if probability > 0.0 else "dim")
-    console.print(table)
-    if diagnosis.ranking:
-        say(
-            "Probability: that this effect is missing; several may be missing at once, and those that the "
-            "recordings cannot tell apart share one. Error removed: share of the error above the sensors' noise that "
-            "this effect removes in addition to all others found, on data not used for fitting (discover counts its "
-            f"steps one after another). {surest_sentence()}"
-            + (f" {left_out} more with probability 0 are not listed (they are in --json)." if left_out else ""),
-            style="dim",
-        )
-    show_doubts(diagnosis.groups, diagnosis.next_recording, motion)
-
-
-def _bar(probability: float) -> str:
-    longest = _BAR // 4 if is_narrow() else _BAR
-    return f"{100.0 * probability:3.0f} % {'█' * round(longest * probability)}"

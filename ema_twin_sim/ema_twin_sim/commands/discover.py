@@ -11,7 +11,6 @@ import typer
 
 from . import options
 from .output import say, status, unfolded
-from .shown_search import show_doubts, show_search
 
 EXAMPLES = """Examples:
 
@@ -35,9 +34,7 @@ def run(
     end: options.To = None,
     strict: options.Strict = False,
     evidence: options.Evidence = None,
-    report: Annotated[
-        Path | None, typer.Option("--report", metavar="FILE.html", help="Also write the HTML report.")
-    ] = None,
+    report: Annotated[Path | None, typer.Option(metavar="FILE.html", help="Also write the HTML report.")] = None,
     rrd: options.Rrd = None,
     force: options.Force = False,
     json: options.JsonFile = None,
@@ -49,52 +46,54 @@ def run(
     explains what is left.
     """
     from ..model import save_model
-    from ..model.model_file import check_model_name
-    from .inputs import input_files, refuse_evidence, refuse_existing, refuse_inputs
-    from .judged import read_judged, warn_of, write_evidence_bag, write_findings
-    from .report_page import check_page_name, weighed, write_page
-    from .rerun_file import check_rrd_name, tell_of_rrd, write_rrd
+    from .inputs import check_outputs, input_files
 
-    refuse_inputs(input_files(runs, [model], import_map, with_files), output, json, evidence, report, rrd)
-    check_model_name(output)
-    refuse_evidence(evidence)
-    check_page_name(report)
-    check_rrd_name(rrd)
-    refuse_existing(force, output, evidence, report, rrd)
+    inputs = input_files(runs, [model], import_map, with_files)
+    check_outputs(inputs, force, model=output, json=json, evidence=evidence, page=report, rrd=rrd)
 
     from ..discovery.discover import discover
+    from .judged import read_judged, warn_of, write_evidence_bag, write_findings
+    from .shown_search import show_doubts, show_search
 
-    given = read_judged(runs, model, with_files, without, import_map=import_map, start=start, end=end, strict=strict)
+    recordings, (before,), excluded = read_judged(
+        runs, [model], with_files, without, import_map=import_map, start=start, end=end, strict=strict
+    )
     with status() as progress:
-        found = discover(given.recordings, given.model, without=given.without, progress=progress)
+        found = discover(recordings, before, without=excluded, progress=progress)
         save_model(found.model, output, force=force)
         if evidence is not None:
             progress("writing the evidence")
-            write_evidence_bag(found, found.given, evidence, force=force)
-        both, labels, findings = (given.model, found.model), (model, output), None
+            write_evidence_bag(found, evidence, force=force)
+        both, labels, findings = (before, found.model), (model, output), None
         if report is not None or rrd is not None:
+            from .report_page import weighed, write_page
+
             progress("computing probabilities")
             findings = weighed(found)
         if report is not None:
             progress("writing the report")
             write_page(report, found.given, both, labels, findings, force=force)
         if rrd is not None:
+            from .rerun_file import tell_of_rrd, write_rrd
+
             progress("writing the views")
             tabs = write_rrd(rrd, found.given, both, labels, findings, force=force)
         progress("looking for what to record next")
         next_recording = found.next_recording
-    warn_of(found.misread, given.recordings)
-    show_search(found, given.without)
+    warn_of(found.misread, recordings)
+    show_search(found, excluded)
     show_doubts(found.groups, next_recording, found.model.motion)
     say(f"\nThe search ended: {found.stopped}.")
-    warn_of(found.warnings, given.recordings, told=found.misread)
-    is_new = bool(found.added or found.constants)
-    for line in _written(output, model, is_new=is_new):
-        say(line)
-    shown: list[str | Path] = [model, output] if is_new else [model]
+    warn_of(found.warnings, recordings, told=found.misread)
+    shown: list[str | Path] = [model]
+    if found.added or found.constants:
+        shown.append(output)
+        say(f"\n{output} is the new model. To see its errors:")
+    else:
+        say(f"\n{output} equals {model}: no effect was found that improves it. To see where it fails:")
     unfolded(f"  {compare_command(runs, shown, with_files or (), import_map)}")
     if evidence is not None:
-        axis = "; operating points are drawn over position, 1 s per radian" if given.recordings[0].of_points else ""
+        axis = "; operating points are drawn over position, 1 s per radian" if recordings[0].of_points else ""
         unfolded(f"  rerun {quote(str(evidence))}     (residuals of each step{axis})")
     if report is not None:
         unfolded(f"  {report}     (HTML report, before and after)")
@@ -103,18 +102,8 @@ def run(
     write_findings(json, found.as_json(), found)
 
 
-def _written(output: Path, model: str, *, is_new: bool) -> list[str]:
-    """A line that says what the written model is and introduces the command printed below it."""
-    if is_new:
-        return [f"\n{output} is the new model. To see its errors:"]
-    return [f"\n{output} equals {model}: no effect was found that improves it. To see where it fails:"]
-
-
 def compare_command(
-    runs: Sequence[Path],
-    models: Sequence[str | Path],
-    with_files: Sequence[Path] = (),
-    import_map: str = "siemens",
+    runs: Sequence[Path], models: Sequence[str | Path], with_files: Sequence[Path] = (), import_map: str = "siemens"
 ) -> str:
     """Shell command that compares the models with the recordings, quoted."""
     models_named = [part for model in models for part in ("--model", quote(str(model)))]

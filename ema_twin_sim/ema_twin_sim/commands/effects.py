@@ -27,8 +27,7 @@ ema-twin effects --with position_friction.py position_friction"""
 
 def run(
     id: Annotated[
-        str | None,
-        typer.Argument(metavar="ID", help="Show one effect in full.", autocompletion=options.effect_names),
+        str | None, typer.Argument(metavar="ID", help="Show one effect in full.", autocompletion=options.effect_names)
     ] = None,
     with_files: options.WithFiles = None,
     json: options.JsonFile = None,
@@ -57,11 +56,7 @@ def run(
         say("One effect in full: ema-twin effects ID. Add one: ema-twin add ID --model MODEL -o NEW.yaml")
     contents = [
         {
-            "id": effect.id,
-            "summary": effect.summary,
-            "equation": effect.equation,
-            "signature": effect.signature,
-            "source": effect.source,
+            **{name: getattr(effect, name) for name in ("id", "summary", "equation", "signature", "source")},
             "options": {name: list(choices) for name, choices in effect.options.items()},
             "parameters": {
                 p.name: {

@@ -8,7 +8,6 @@ import typer
 
 from . import options
 from .output import say, status
-from .shown_fit import show_fit
 
 EXAMPLES = """Examples:
 
@@ -29,22 +28,18 @@ def run(
     method: Annotated[
         str | None,
         typer.Option(
-            "--method",
             help="equation (fit the torque that the measured motion needs) or simulation (simulate the closed loop of "
-            "each recording); by default simulation, or equation if the current drives the twin.",
+            "each recording); by default simulation, or equation if the current drives the twin."
         ),
     ] = None,
     free: Annotated[
         list[str] | None,
         typer.Option(
-            "--free",
-            metavar="PATH",
-            help="Another parameter to fit, in addition to effects and inertias. May be repeated.",
+            metavar="PATH", help="Another parameter to fit, in addition to effects and inertias. May be repeated."
         ),
     ] = None,
     fix: Annotated[
-        list[str] | None,
-        typer.Option("--fix", metavar="PATH", help="Parameter or effect to keep fixed. May be repeated."),
+        list[str] | None, typer.Option(metavar="PATH", help="Parameter or effect to keep fixed. May be repeated.")
     ] = None,
     input: options.Input = None,
     with_files: options.WithFiles = None,
@@ -60,23 +55,18 @@ def run(
     Fits the parameters of the model's effects, and its inertias within their tolerances. The errors before and after
     are from recordings (or the last third of a single one) that were not used for fitting.
     """
-    from ..model import load_model, save_model
-    from ..model.model_file import check_model_name
-    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, with_noise_told, write_json
+    from ..model import save_model
+    from .inputs import check_outputs, input_files, write_json
 
-    refuse_inputs(input_files(runs, [model], import_map, with_files), output, json)
-    check_model_name(output)
-    refuse_existing(force, output)
+    check_outputs(input_files(runs, [model], import_map, with_files), force, model=output, json=json)
 
     from ..fitting.fit import fit_model
-    from ..own_effects import load_effects
-    from .judged import with_one_zero
+    from .judged import read_judged
+    from .shown_fit import show_fit
 
-    load_effects(with_files or ())
-    before = load_model(model)
-    recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
-    recordings = with_one_zero(recordings, [before], between_them=True)
-    before = with_noise_told(recordings, before)
+    recordings, (before,), _ = read_judged(
+        runs, [model], with_files, import_map=import_map, start=start, end=end, strict=strict, between_them=True
+    )
     with status() as progress:
         found = fit_model(
             recordings, before, method=method, free=free or (), fix=fix or (), source=input, progress=progress

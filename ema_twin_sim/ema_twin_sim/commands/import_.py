@@ -36,8 +36,7 @@ def run(
     ),
     import_map: options.ImportMap = "siemens",
     topic: Annotated[
-        str | None,
-        typer.Option("--topic", metavar="TOPIC", help="Topic of the states to import, if a bag holds several rigs."),
+        str | None, typer.Option(metavar="TOPIC", help="Topic of the states to import, if a bag holds several rigs.")
     ] = None,
     strict: options.Strict = False,
     force: options.Force = False,

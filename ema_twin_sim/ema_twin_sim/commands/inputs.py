@@ -10,9 +10,9 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ema_bench_replay.bags.bag_parts import bag_parts, how_to_convert, recordings_in
+from ema_bench_replay.configuration import find_configuration
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import TRACES, load
 from ema_bench_replay.outputs import write_text
@@ -21,9 +21,6 @@ from ema_bench_replay.recording import Recording
 from ..listing import by_recording, number_of
 from ..text_traces import without_notes
 from .output import counted, warn
-
-if TYPE_CHECKING:
-    from ..model import Model
 
 
 def load_runs(
@@ -144,8 +141,6 @@ def input_files(
     runs: Sequence[Path], models: Sequence[str], import_map: str, with_files: Sequence[Path] | None = None
 ) -> list[Path]:
     """The files that are read for these arguments; ``metadata.yaml`` of a recording is listed even if it is absent."""
-    from ema_bench_replay.configuration import find_configuration
-
     from ..model.model_file import model_files
 
     files = [file for name in models for file in model_files(name)]
@@ -189,27 +184,42 @@ def _refuse_unwritable(output: Path) -> None:
         raise InputError(f"{output}: cannot be written ({reason}); choose {needed}") from None
 
 
-def with_noise_told(recordings: Sequence[Recording], model: Model) -> Model:
-    """The model, with the noise of the recordings if it states none of its sensors; says so on the error output."""
-    from ..measured.unstated_noise import with_noise_of
+def check_outputs(
+    inputs: Sequence[Path],
+    force: bool,
+    *,
+    json: Path | None = None,
+    model: Path | None = None,
+    command: Path | None = None,
+    evidence: Path | None = None,
+    page: Path | None = None,
+    rrd: Path | None = None,
+) -> None:
+    """Raise InputError, before anything is computed, if an output cannot be written, or has a name of another kind.
 
-    found, said = with_noise_of(recordings, model)
-    if said:
-        warn(said)
-    return found
+    Likewise if it exists and ``force`` is not set; only JSON is replaced without it.
+    """
+    from ..model.model_file import check_model_name
 
-
-def refuse_existing(force: bool, *outputs: Path | None) -> None:
-    """Raise InputError, before anything is computed, if an output exists and ``force`` is not set."""
-    for output in outputs:
+    refuse_inputs(inputs, model, command, json, evidence, page, rrd)
+    if model is not None:
+        check_model_name(model)
+    if command is not None and command.suffix.lower() not in (".yaml", ".yml"):
+        raise InputError(f"{command}: unknown kind of command file '{command.suffix}'; name it .yaml")
+    if evidence is not None and evidence.suffix != ".mcap":
+        raise InputError(f"{evidence}: evidence is written as MCAP; name it .mcap")
+    if page is not None and page.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"{page}: a report is a page; name it .html")
+    check_rrd_name(rrd)
+    for output in (model, command, evidence, page, rrd):
         if output is not None and output.is_file() and not force:
             raise InputError(f"{output}: exists already; give another name, or --force to replace it")
 
 
-def refuse_evidence(path: Path | None) -> None:
-    """Raise InputError if the name of an evidence file does not end in .mcap."""
-    if path is not None and path.suffix != ".mcap":
-        raise InputError(f"{path}: evidence is written as MCAP; name it .mcap")
+def check_rrd_name(path: Path | None) -> None:
+    """Raise InputError if the name of a rerun file does not end in .rrd."""
+    if path is not None and path.suffix != ".rrd":
+        raise InputError(f"--rrd {path}: is not a rerun file's name; end it in .rrd")
 
 
 def write_json(path: Path | None, content: object) -> None:

@@ -1,53 +1,47 @@
-"""Shared by the commands that look for missing effects: they read inputs and write findings in the same way."""
+"""Shared by the commands that judge models by recordings: they read both and write findings in the same way."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .inputs import load_runs, with_noise_told, write_json
+from ema_bench_replay.recording import Recording
+
+from ..discovery.zeros_by_model import has_a_zero, with_the_models_zeros
+from ..effects import find_effect
+from ..measured.unstated_noise import with_noise_of
+from ..model import Model, load_model
+from ..own_effects import load_effects
+from .inputs import load_runs, write_json
 from .output import warn
 
 if TYPE_CHECKING:
-    from ema_bench_replay.recording import Recording
-
     from ..discovery.discover import Discovery
-    from ..model import Model
-
-
-@dataclass(frozen=True)
-class Judged:
-    """Recordings, the model compared with them, and the effects excluded from the search."""
-
-    recordings: list[Recording]
-    model: Model
-    without: list[str]
 
 
 def read_judged(
     runs: Sequence[Path],
-    model: str,
+    models: Sequence[str],
     with_files: Sequence[Path] | None,
-    without: Sequence[str] | None,
+    without: Sequence[str] | None = None,
     *,
     import_map: str,
     start: float | None,
     end: float | None,
     strict: bool,
-) -> Judged:
-    """Read everything a search needs; users' own effects are loaded first, because a model may contain them."""
-    from ..effects import find_effect
-    from ..model import load_model
-    from ..own_effects import load_effects
+    between_them: bool = False,
+) -> tuple[list[Recording], list[Model], list[str]]:
+    """Read recordings, the models compared with them, and the ids of the effects to leave out.
 
+    Users' own effects are loaded first, because a model may contain them. ``between_them``: as ``with_one_zero``.
+    """
     load_effects(with_files or ())
     excluded = [find_effect(id, "--without").id for id in without or ()]
-    before = load_model(model)
+    given = [load_model(model) for model in models]
     recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
-    recordings = with_one_zero(recordings, [before])
-    return Judged(recordings, with_noise_told(recordings, before), excluded)
+    recordings = with_one_zero(recordings, given, between_them=between_them)
+    return recordings, [with_noise_told(recordings, model) for model in given], excluded
 
 
 def with_one_zero(
@@ -57,8 +51,6 @@ def with_one_zero(
 
     ``between_them``: only by what they differ from each other.
     """
-    from ..discovery.zeros_by_model import has_a_zero, with_the_models_zeros
-
     telling = next((model for model in models if has_a_zero(model)), None)
     if telling is None:
         return recordings
@@ -67,12 +59,20 @@ def with_one_zero(
     return moved
 
 
-def write_evidence_bag(found: Discovery, recordings: Sequence[Recording], file: Path, *, force: bool) -> None:
+def with_noise_told(recordings: Sequence[Recording], model: Model) -> Model:
+    """The model, with the noise of the recordings if it states none of its sensors; says so on the error output."""
+    found, said = with_noise_of(recordings, model)
+    if said:
+        warn(said)
+    return found
+
+
+def write_evidence_bag(found: Discovery, file: Path, *, force: bool) -> None:
     """Write what each step of the search left unexplained as an MCAP."""
     from ..views.evidence_bag import write_evidence
 
     # the search splits a single table of operating points in two
-    used = recordings if len(recordings) == len(found.recordings) else found.recordings
+    used = found.given if len(found.given) == len(found.recordings) else found.recordings
     write_evidence(found, used, file, force=force)
 
 

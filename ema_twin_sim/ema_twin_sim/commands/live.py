@@ -14,11 +14,7 @@ import typer
 from ema_bench_replay.errors import InputError
 
 from . import options
-from .live_error import LINES_ARE, ErrorPrinter
-from .live_keys import Keys
-from .live_view import open_view
 from .output import console, say, takes_colours, unfolded, warn
-from .shown_live import as_json, show
 
 EXAMPLES = """Examples:
 
@@ -45,13 +41,12 @@ def run(
     loop: Annotated[bool, typer.Option("--loop", help="Repeat the recording until q or Ctrl-C.")] = False,
     headless: Annotated[bool, typer.Option("--headless", help="No viewer.")] = False,
     web: Annotated[bool, typer.Option("--web", help="The viewer in a browser, served on this machine only.")] = False,
-    rrd: Annotated[Path | None, typer.Option("--rrd", metavar="FILE", help="Write a rerun recording.")] = None,
+    rrd: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a rerun recording.")] = None,
     record: Annotated[
-        Path | None, typer.Option("--record", metavar="DIR", help="Record all topics to an MCAP in a new folder.")
+        Path | None, typer.Option(metavar="DIR", help="Record all topics to an MCAP in a new folder.")
     ] = None,
     max_bag_size: Annotated[
-        float | None,
-        options.bounded("BYTES", 1.0, 1e18, "bytes", "With --record: start a new file at this size."),
+        float | None, options.bounded("BYTES", 1.0, 1e18, "bytes", "With --record: start a new file at this size.")
     ] = None,
     max_bag_duration: Annotated[
         float | None,
@@ -86,8 +81,7 @@ def run(
         ),
     ] = None,
     output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="MODEL", help="Write the twin's final model."),
+        Path | None, typer.Option("--output", "-o", metavar="MODEL", help="Write the twin's final model.")
     ] = None,
     with_files: options.WithFiles = None,
     import_map: options.ImportMap = "siemens",
@@ -109,7 +103,6 @@ def run(
     from ..measured.noise import noise_of
     from ..measured.quieter_motion import as_measured
     from ..model import save_model
-    from ..model.model_file import check_model_name
     from ..nodes.live import run_live
     from ..nodes.live_session import HealthAsked
     from ..own_effects import load_effects
@@ -117,16 +110,17 @@ def run(
     from ..simulation.compared_signals import noise_floors
     from ..simulation.dc_link_check import refuse_recording_beyond_link
     from ..simulation.simulate import choose_input
-    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, write_json
-    from .rerun_file import check_rrd_name, tell_of_rrd
+    from .inputs import check_outputs, check_rrd_name, input_files, load_runs, refuse_inputs, write_json
+    from .live_error import LINES_ARE, ErrorPrinter
+    from .live_keys import Keys
+    from .live_view import open_view
+    from .shown_live import as_json, show
 
     bag = None if record is None else record / f"{record.name}.mcap"
     inputs = input_files([run] if run is not None else [], [model], import_map, with_files)
     refuse_inputs(inputs, json, rrd, bag, output, folder=record)
     check_rrd_name(rrd)
-    if output is not None:
-        check_model_name(output)
-        refuse_existing(force, output)
+    check_outputs([], force, model=output)
     load_effects(with_files or ())
     found = live_model(model)
     recording = None
@@ -193,6 +187,8 @@ def run(
         for warning in result.warnings:
             warn(warning)
     if rrd is not None:
+        from .rerun_file import tell_of_rrd
+
         tell_of_rrd(rrd, ("the live run",))
     if result.unrecorded:
         raise InputError(f"{record}: the recording is incomplete: {result.unrecorded}")

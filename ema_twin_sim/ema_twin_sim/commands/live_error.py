@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
+from ema_bench_replay.recording import Recording
+
+from ..nodes.live_session import Pair
 from ..quantities import quantity
+from ..simulation.compared_signals import UNITS
 from .output import console
 from .tables import is_narrow
-
-if TYPE_CHECKING:
-    from ema_bench_replay.recording import Recording
-
-    from ..nodes.live_session import Pair
 
 _WINDOW = 1.0  # s that each printed error covers
 _BY_CURRENT = "unexplained_torque"
@@ -70,8 +68,6 @@ class ErrorPrinter:
         return square == 0.0 or not any(name in self._sums for name in _BY_SETPOINT)
 
     def _print(self, elapsed: float) -> None:
-        from ..simulation.compared_signals import UNITS
-
         of = f" of {self._duration:.0f}" if self._duration else ""
         parts = []
         for name in (_BY_CURRENT,) if self._by_current else _BY_SETPOINT:

@@ -7,13 +7,14 @@ import os
 import select
 import sys
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ema_bench_replay.errors import InputError
 
 from ..discovery.cautions import ALONE
+from ..live.diagnosing.apply import Busy, NotDiagnosed
 from ..quantities import estimate
 from ..words.next_recording import recording_words
 from ..words.sentences import beyond_words, effect_words
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from ..nodes.monitor import MonitorNode
     from .live_view import LiveView
 
+Answer = TypeVar("Answer")
 _HINT = "Keys: d diagnose   a add the effects found   q quit"
 _BUSY = "A diagnosis is still being computed or added: wait for its result, then press the key again."
 _ESCAPE = "\x1b"
@@ -103,16 +105,9 @@ class Keys:
             self.press(key)
 
     def _diagnose(self) -> None:
-        from ..live.diagnosing.apply import Busy
-
         say("Diagnosing; this takes some seconds …", style="cyan")
-        try:
-            found = self._services().diagnose()
-        except Busy:
-            say(_BUSY, style="yellow")
-            return
-        except (InputError, RuntimeError) as error:  # RuntimeError also from rclpy, if the run ends meanwhile
-            say(f"No diagnosis: {error}", style="yellow")
+        found = self._asked(lambda services: services.diagnose(), "No diagnosis")
+        if found is None:
             return
         motion = "rotary" if self._monitor is None else self._monitor.model.motion
         lines = told(found, self._beyond(), motion)
@@ -121,18 +116,8 @@ class Keys:
         self._tell(lines[0])
 
     def _apply(self) -> None:
-        from ..live.diagnosing.apply import Busy, NotDiagnosed
-
-        try:
-            words = self._services().apply([])
-        except NotDiagnosed:
-            say("Nothing to add yet: press d to diagnose first.", style="yellow")
-            return
-        except Busy:
-            say(_BUSY, style="yellow")
-            return
-        except (InputError, RuntimeError) as error:  # RuntimeError also from rclpy, if the run ends meanwhile
-            say(f"Nothing added: {error}", style="yellow")
+        words = self._asked(lambda services: services.apply([]), "Nothing added")
+        if words is None:
             return
         say(f"Added to the running twin: {words}. Watch the error fall.", style="bold green")
         if self._output:
@@ -145,11 +130,21 @@ class Keys:
         """The signals whose error exceeds the sensors' noise, and by what factor, as the monitor's health has it."""
         return {} if self._monitor is None else self._monitor.comparison.beyond_noise
 
-    def _services(self) -> DiagnosisNode:
-        services = None if self._monitor is None else self._monitor.diagnosis_services
-        if services is None:
-            raise InputError("the run is over")
-        return services
+    def _asked(self, ask: Callable[[DiagnosisNode], Answer], nothing: str) -> Answer | None:
+        """What the running monitor's services answer; None, and why, if they refuse."""
+        try:
+            services = None if self._monitor is None else self._monitor.diagnosis_services
+            if services is None:
+                raise InputError("the run is over")
+            return ask(services)
+        except NotDiagnosed:
+            refusal = "Nothing to add yet: press d to diagnose first."
+        except Busy:
+            refusal = _BUSY
+        except (InputError, RuntimeError) as error:  # RuntimeError also from rclpy, if the run ends meanwhile
+            refusal = f"{nothing}: {error}"
+        say(refusal, style="yellow")
+        return None
 
     def _tell(self, text: str) -> None:
         if self._view is not None:

@@ -7,11 +7,14 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from ..model import Model
+from ..nodes.live_session import Pair
+from ..views.screen import open_live_viewer, why_not_shown
 from .output import console, warn
 
 if TYPE_CHECKING:
-    from ..model import Model
-    from ..nodes.live_session import Pair
     from ..views.rerun_view import RerunView
     from ..views.web_viewer import WebViewer
 
@@ -29,8 +32,6 @@ class LiveView:
 
     def take(self, pairs: Sequence[Pair]) -> None:
         """Show a batch of pairs from the running monitor."""
-        import numpy as np
-
         time = [self._time(pair.stamp) for pair in pairs]
 
         def columns(side: str) -> dict[str, np.ndarray]:
@@ -80,8 +81,6 @@ def open_view(
     rrd: Path | None, headless: bool, web: WebViewer | None, floors: dict[str, float], model: Model
 ) -> LiveView | None:
     """Open the requested rerun views: a file, a browser, or a viewer if there is a screen; None if there is none."""
-    from ..views.screen import open_live_viewer, why_not_shown
-
     into: list[Path | str] = [rrd] if rrd is not None else []
     if web is not None:
         into.append(web.sink)

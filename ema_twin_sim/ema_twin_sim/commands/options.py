@@ -150,6 +150,8 @@ def of_json(path: Path | None) -> Path | None:
 
 
 SECONDS = number(-LARGEST, LARGEST, "s")
+GEAR_RATIO = number(1e-3, 1e5, "turns of the motor per turn of the output")
+TORQUE_CONSTANT = number(1e-6, LARGEST, "N m/A (of a linear machine N/A)")
 
 Runs = Annotated[list[Path], typer.Argument(metavar="RUN…", help="Recordings: MCAP files, CSVs, or folders of either.")]
 Run = Annotated[Path, typer.Argument(metavar="RUN", help="A recording: MCAP file, folder that import wrote, or CSV.")]
@@ -194,13 +196,9 @@ Without = Annotated[
 ]
 Evidence = Annotated[
     Path | None,
-    typer.Option(
-        "--evidence",
-        metavar="FILE.mcap",
-        help="Also write the residuals of each step, for rerun, Foxglove, PlotJuggler.",
-    ),
+    typer.Option(metavar="FILE.mcap", help="Also write the residuals of each step, for rerun, Foxglove, PlotJuggler."),
 ]
-Rrd = Annotated[Path | None, typer.Option("--rrd", metavar="FILE.rrd", help="Also write views for rerun.")]
+Rrd = Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Also write views for rerun.")]
 NewModel = Annotated[Path, typer.Option("-o", "--output", metavar="NEW", help="The model file to write.")]
 Results = Annotated[
     Path, typer.Option("-o", "--output", metavar="RESULTS", help="The folder of results; an existing one is continued.")
@@ -208,17 +206,11 @@ Results = Annotated[
 CORES = os.cpu_count() or 1
 Workers = Annotated[
     int,
-    typer.Option(
-        "--workers",
-        metavar="N",
-        parser=whole(1, 1024),
-        help="Processes on this machine; by default one for each core.",
-    ),
+    typer.Option(metavar="N", parser=whole(1, 1024), help="Processes on this machine; by default one for each core."),
 ]
 Scheduler = Annotated[
     str | None,
     typer.Option(
-        "--scheduler",
         metavar="ADDRESS",
         help="A dask scheduler (tcp://HOST:PORT) to use instead of this machine; its workers must see the same files.",
     ),
@@ -232,8 +224,7 @@ Rate = Annotated[
     ),
 ]
 ImportMap = Annotated[
-    str,
-    typer.Option("--map", help="Import map of CSVs: a file or a name in config/maps.", autocompletion=map_names),
+    str, typer.Option("--map", help="Import map of CSVs: a file or a name in config/maps.", autocompletion=map_names)
 ]
 From = Annotated[
     float | None, typer.Option("--from", metavar="S", parser=SECONDS, help="Start at this time, in seconds.")
@@ -242,14 +233,13 @@ To = Annotated[float | None, typer.Option("--to", metavar="S", parser=SECONDS, h
 Input = Annotated[
     str | None,
     typer.Option(
-        "--input",
         help="Input of the twin: setpoint, current or command; by default chosen from the recording's signals.",
         autocompletion=input_names,
     ),
 ]
 Step = Annotated[
     float | None,
-    typer.Option("--step", metavar="S", parser=SECONDS, help="Integration step in seconds; by default the model's."),
+    typer.Option(metavar="S", parser=SECONDS, help="Integration step in seconds; by default the model's."),
 ]
 JsonFile = Annotated[
     Path | None,

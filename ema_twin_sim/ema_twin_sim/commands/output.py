@@ -11,15 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.text import Text
 
 _WIDTH_WITHOUT_TERMINAL = 120
@@ -209,8 +201,12 @@ class Counted:
 
 @contextmanager
 def counted(total: int, what: str) -> Iterator[Counted]:
-    """Yield a counter of ``total`` pieces of work."""
-    with progress_bar(TextColumn("left:"), TimeRemainingColumn(elapsed_when_finished=True)) as bar:
+    """Yield a counter of ``total`` pieces of work; its bar is on the error output, and disappears when done."""
+    columns = (
+        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
+        TextColumn("left:"), TimeRemainingColumn(elapsed_when_finished=True),
+    )  # fmt: skip
+    with Progress(*columns, console=messages, transient=True, disable=not sys.stderr.isatty()) as bar:
         yield Counted(total, what, bar)
 
 
@@ -242,11 +238,3 @@ def _now_and_then() -> Callable[[str], None]:
             messages.print(f"{now - begun:.0f} s: {text} …", markup=False)
 
     return show
-
-
-def progress_bar(*more: ProgressColumn) -> Progress:
-    """A progress bar on the error output, if that is a terminal; it disappears when done."""
-    return Progress(
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), *more,
-        console=messages, transient=True, disable=not sys.stderr.isatty(),
-    )  # fmt: skip

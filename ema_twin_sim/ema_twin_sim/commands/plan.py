@@ -5,25 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from shlex import quote
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..criteria import DECIDED
-from ..listing import listed
-from ..words.next_recording import rival_words, spoken
-from ..words.sentences import dependence_words, effect_words
 from . import options
-from .output import console, say, status, unfolded
-from .tables import ReportTable
+from .output import say, status
 
 if TYPE_CHECKING:
     from ema_bench_replay.recording import Recording
 
     from ..discovery.experiment.bench_limits import Limits
-    from ..discovery.experiment.next_command import Proposal
-    from ..discovery.plan import Plan
     from ..model import Model
 
 EXAMPLES = """Examples:
@@ -93,35 +85,33 @@ def run(
     recorded speed leads in one recording. A limit given as an option replaces the recorded one and is never exceeded;
     the others then stay as recorded.
     """
-    from ema_bench_replay.errors import InputError
+    from .inputs import check_outputs, input_files, write_json
+
+    check_outputs(input_files(runs, [model], import_map, with_files), force, command=output, json=json)
+
     from ema_bench_replay.outputs import new_file
 
     from ..discovery.plan import plan
     from ..simulation.command import write_command
-    from .inputs import input_files, refuse_existing, refuse_inputs, write_json
     from .judged import read_judged, warn_of
+    from .shown_plan import show_how, show_plan
 
-    refuse_inputs(input_files(runs, [model], import_map, with_files), output, json)
-    if output is not None and output.suffix.lower() not in (".yaml", ".yml"):
-        raise InputError(f"{output}: unknown kind of command file '{output.suffix}'; name it .yaml")
-    refuse_existing(force, output)
-    given = read_judged(runs, model, with_files, without, import_map=import_map, start=start, end=end, strict=strict)
-    limits = _limits(given.recordings, given.model, max_speed, max_travel, max_current, max_torque)
+    recordings, (before,), excluded = read_judged(
+        runs, [model], with_files, without, import_map=import_map, start=start, end=end, strict=strict
+    )
+    limits = _limits(recordings, before, max_speed, max_travel, max_current, max_torque)
     with status() as progress:
-        found = plan(given.recordings, given.model, without=given.without, limits=limits, progress=progress)
-    show(found, given.model.motion)
+        found = plan(recordings, before, without=excluded, limits=limits, progress=progress)
+    show_plan(found, before.motion)
     if found.proposal is not None:
         if output is not None:
             with new_file(output, force=force) as file:
-                file.write(
-                    write_command(
-                        found.proposal.command, found.proposal.seconds, found.proposal.why, given.model.motion
-                    )
-                )
-        _show_how(found.proposal, model, given.model, output, with_files or ())
+                proposal = found.proposal
+                file.write(write_command(proposal.command, proposal.seconds, proposal.why, before.motion))
+        show_how(found.proposal, model, before, output, with_files or ())
     elif output is not None:
         say(f"\nThere is no command to propose, so {output} was not written.")
-    warn_of(found.warnings, given.recordings)
+    warn_of(found.warnings, recordings)
     write_json(json, found.as_json())
 
 
@@ -170,91 +160,3 @@ def _currents(driven: Limits, model: Model, current: float | None, torque: float
         *([] if current is None else [current]),
         *([] if torque is None or constant is None else [torque / constant]),
     ]
-
-
-def show(found: Plan, motion: str) -> None:
-    """Print what is in doubt, the proposal with its runners-up, and what no command can distinguish."""
-    from ..simulation.command import in_words
-
-    if found.verdict == "unknown":
-        on = f" (it depends on {dependence_words(found.depends_on)})" if found.depends_on else ""
-        console.print(f"Part of the error fits no effect{on}; no command can be planned for it.\n")
-    if not found.in_doubt and found.proposal is None:
-        nothing = "" if found.verdict == "unknown" else ": these recordings show no missing effect"
-        held = f": the model lacks {listed(map(effect_words, found.added))}" if found.added else nothing
-        console.print(f"[bold]No doubt remains that another recording could resolve{held}.[/bold]", soft_wrap=True)
-        return
-    if found.in_doubt:
-        console.print("[bold]In doubt[/bold]")
-    else:
-        console.print("[bold]No explanation is in doubt, but another recording would show more.[/bold]", soft_wrap=True)
-    for doubt in found.in_doubt:
-        unfolded(f"  {spoken(doubt.reason)}")
-    proposal = found.proposal
-    if proposal is not None:
-        console.print(f"\n[bold]Record next: {proposal.command}[/bold] for {proposal.seconds:g} s", soft_wrap=True)
-        unfolded(f"  {in_words(proposal.command, motion)}")
-        unfolded(f"  {spoken(proposal.why)}")
-        if proposal.beyond:
-            load = "--max-current" if found.limits.torque_constant is None else "--max-torque"
-            unfolded(
-                f"  beyond what was recorded so far: {'; '.join(proposal.beyond)}. Make sure that the bench allows it"
-                f" and nothing stops the output on the way, or give --max-speed, --max-travel or {load}."
-            )
-        if proposal.separation:
-            console.print(_commands((proposal, *found.runners_up)))
-        if proposal.shows:
-            console.print(_shown(proposal))
-        if proposal.hides:
-            hides = listed(map(effect_words, proposal.hides), "or")
-            unfolded(f"It would still not show {hides}: record it, then run plan again with it.")
-    if found.inseparable:
-        apart = "; ".join(" or ".join(map(rival_words, pair)) for pair in found.inseparable)
-        unfolded(f"\nNo command within the limits can distinguish: {apart}.")
-        for hint in found.elsewhere():
-            unfolded(f"  {hint}")
-
-
-def _commands(proposals: Sequence[Proposal]) -> ReportTable:
-    table = ReportTable(f"\nHow well it would distinguish them, in standard deviations ({DECIDED:g} or more decide)")
-    table.words("command")
-    table.numbers("seconds", *(" or ".join(map(rival_words, pair)) for pair in proposals[0].separation))
-    for k, proposal in enumerate(proposals):
-        values = (f"{value:.0f}" if value >= 1.0 else "0" for value in proposal.separation.values())
-        table.add_row(proposal.command, f"{proposal.seconds:g}", *values, style="bold" if k == 0 else "")
-    return table
-
-
-def _shown(proposal: Proposal) -> ReportTable:
-    """Table of how clearly the proposal would show effects that are hidden so far."""
-    table = ReportTable(
-        f"\nHow clearly it would show effects of usual size, in standard errors ({DECIDED:g} or more decide)"
-    )
-    table.words("effect")
-    table.numbers("so far", "with it")
-    for id, (now, then) in proposal.shows.items():
-        table.add_row(rival_words(id), f"{now:.1f}", f"{then:.0f}")
-    return table
-
-
-def _show_how(proposal: Proposal, name: str, model: Model, output: Path | None, with_files: Sequence[Path]) -> None:
-    """Print how to run the command on the bench and on the virtual bench; ``name`` is how the model was given."""
-    from ..simulation.simulate import has_speed_controller
-
-    given = proposal.command if output is None else str(output)
-    own = "".join(f" --with {quote(str(file))}" for file in with_files)
-    ratio = model.value("machine.gear_ratio")
-    at_motor = "" if model.is_direct else f" (of the motor: {ratio:g} times that)"
-    unfolded(
-        f"\nRun it on the bench, as the setpoint of the output{at_motor}, and give its recording to discover with the"
-        " others."
-    )
-    if not has_speed_controller(model):
-        unfolded(
-            "The model has no speed controller and cannot simulate the command first: begin on the bench with a smaller"
-            " one."
-        )
-        return
-    unfolded("To simulate it with this model first:")
-    run = f"--model {quote(name)} --command {quote(given)} --seconds {proposal.seconds:g}{own}"
-    unfolded(f"  ema-twin simulate {run} -o next.mcap")

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -13,13 +12,6 @@ from ema_bench_replay.errors import InputError
 from ..listing import number_of
 from . import options
 from .output import status, unfolded, warn
-from .report_page import check_page_name, weighed, write_page
-
-if TYPE_CHECKING:
-    from ema_bench_replay.recording import Recording
-
-    from ..model import Model
-    from ..words.findings import Findings
 
 EXAMPLES = """Examples:
 
@@ -46,7 +38,6 @@ def run(
     discovery: Annotated[
         Path | None,
         typer.Option(
-            "--discovery",
             metavar="FILE.json",
             help="Output of discover --json (or diagnose --json); without it, the search is repeated.",
         ),
@@ -54,7 +45,6 @@ def run(
     fit: Annotated[
         Path | None,
         typer.Option(
-            "--fit",
             metavar="FILE.json",
             help="Output of fit --json for the third model: standard errors, and errors on recordings that were not "
             "used for fitting.",
@@ -62,7 +52,7 @@ def run(
     ] = None,
     held_out: Annotated[
         list[Path] | None,
-        typer.Option("--held-out", metavar="RUN", help="Recordings that were not used for fitting. May be repeated."),
+        typer.Option(metavar="RUN", help="Recordings that were not used for fitting. May be repeated."),
     ] = None,
     input: options.Input = None,
     with_files: options.WithFiles = None,
@@ -78,14 +68,7 @@ def run(
     runners-up, the steps of the search, and the recording to make next. A third model is shown where fitting moved any
     number by more than its standard error.
     """
-    from ..model import load_model
-    from ..own_effects import load_effects
-    from ..report.fitted import check_same_effects
-    from ..words.findings import read_findings
-    from ..words.fit_findings import read_fit_findings
-    from ..words.origin import refuse_foreign
-    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, with_noise_told
-    from .judged import with_one_zero
+    from .inputs import check_outputs, input_files, load_runs
 
     if len(model) not in (2, 3):
         raise InputError(
@@ -95,9 +78,18 @@ def run(
     if fit is not None and len(model) == 2:
         raise InputError(f"--fit {fit}: belongs to a third model; give that with --model")
     given = [*runs, *(held_out or ())]
-    refuse_inputs([*input_files(given, model, import_map, with_files), *filter(None, (discovery, fit))], output)
-    check_page_name(output)
-    refuse_existing(force, output)
+    inputs = [*input_files(given, model, import_map, with_files), *filter(None, (discovery, fit))]
+    check_outputs(inputs, force, page=output)
+
+    from ..model import load_model
+    from ..own_effects import load_effects
+    from ..report.fitted import check_same_effects
+    from ..words.findings import read_findings
+    from ..words.fit_findings import read_fit_findings
+    from ..words.origin import refuse_foreign
+    from .judged import with_noise_told, with_one_zero
+    from .report_page import searched, write_page
+
     load_effects(with_files or ())
     models = [load_model(name) for name in model]
     if len(models) > 2:
@@ -120,7 +112,7 @@ def run(
             refuse_foreign(option, file, result.origin, models, names)
     with status() as progress:
         if discovery is None:
-            findings, undiagnosed, recordings = _searched(recordings, models[0], progress)
+            findings, undiagnosed, recordings = searched(recordings, models[0], progress)
         progress("comparing the models, and writing the page")
         told = write_page(
             output,
@@ -138,17 +130,3 @@ def run(
         if text:
             warn(text)
     unfolded(f"{output} is the report: open it in any browser, or send it.")
-
-
-def _searched(
-    recordings: list[Recording], model: Model, progress: Callable[[str], None]
-) -> tuple[Findings | None, str, list[Recording]]:
-    """Findings of a search, and the recordings as it took them; or None, and the reason why they cannot be judged."""
-    from ..discovery.discover import discover
-
-    try:
-        found = discover(recordings, model, progress=progress)
-    except InputError as refused:
-        return None, f"no diagnosis: {refused}", recordings
-    progress("computing probabilities")
-    return weighed(found), "", list(found.given)

@@ -1,28 +1,26 @@
-"""Shared by the commands that write a report page: check its name, write it, and name the models in it."""
+"""Shared by the commands that write a report page: what was found, the page, and the names of the models in it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.outputs import write_text
+from ema_bench_replay.recording import Recording
 
-if TYPE_CHECKING:
-    from ema_bench_replay.recording import Recording
-
-    from ..comparison.compare import Comparison
-    from ..discovery.discover import Discovery
-    from ..model import Model
-    from ..words.findings import Findings
-    from ..words.fit_findings import FitFindings
-
-
-def check_page_name(path: Path | None) -> None:
-    """Raise InputError if the name of a report does not end in .html or .htm."""
-    if path is not None and path.suffix.lower() not in (".html", ".htm"):
-        raise InputError(f"{path}: a report is a page; name it .html")
+from ..comparison.compare import Comparison
+from ..discovery.diagnose import weigh
+from ..discovery.discover import Discovery, discover
+from ..model import Model
+from ..report.backwards import backwards
+from ..report.content import Content, shown
+from ..report.fitted import two_values
+from ..report.page import page
+from ..report.summary import misread
+from ..version import VERSION
+from ..words.findings import Findings, findings_of
+from ..words.fit_findings import FitFindings
 
 
 def write_page(
@@ -47,12 +45,6 @@ def write_page(
     Returns what puts the page in doubt, and its remarks on the models. Raises InputError if a recording lacks the
     input's signal, or if the page cannot be written.
     """
-    from ..report.backwards import backwards
-    from ..report.content import Content, shown
-    from ..report.page import page
-    from ..report.summary import misread
-    from ..version import VERSION
-
     names, note = told_apart(models, labels), ""
     if len(models) > 2 and not fitting_moved(models, findings, fit):
         note = f"{names[2]} is not shown: no parameter differs from {names[1]}'s by more than its standard error."
@@ -66,8 +58,6 @@ def write_page(
 
 def fitting_moved(models: Sequence[Model], findings: Findings | None, fit: FitFindings | None) -> bool:
     """Whether any number of the third model differs from the second's by more than its standard error."""
-    from ..report.fitted import two_values
-
     return any(each.differ for each in two_values(models[1], models[2], findings, fit))
 
 
@@ -81,7 +71,16 @@ def told_apart(models: Sequence[Model], labels: Sequence[str | Path]) -> tuple[s
 
 def weighed(found: Discovery) -> Findings:
     """Findings of a finished search, with the probabilities of its diagnosis."""
-    from ..discovery.diagnose import weigh
-    from ..words.findings import findings_of
-
     return findings_of(found, weigh(found))
+
+
+def searched(
+    recordings: list[Recording], model: Model, progress: Callable[[str], None]
+) -> tuple[Findings | None, str, list[Recording]]:
+    """Findings of a search, and the recordings as it took them; or None, and the reason why they cannot be judged."""
+    try:
+        found = discover(recordings, model, progress=progress)
+    except InputError as refused:
+        return None, f"no diagnosis: {refused}", recordings
+    progress("computing probabilities")
+    return weighed(found), "", list(found.given)

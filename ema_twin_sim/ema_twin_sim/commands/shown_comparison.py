@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from rich.markup import escape
 
 from ..comparison.beyond_noise import beyond_noise, shown_signals
+from ..comparison.compare import Comparison
+from ..comparison.where import FEWEST_SAMPLES, Dependence
 from ..criteria import SMALL
 from ..listing import listed
 from ..quantities import quantity
@@ -21,10 +22,6 @@ from .output import console, say, sparkline
 from .side_by_side import show_side_by_side
 from .tables import ReportTable, is_narrow
 from .torque_errors import show_torque_errors
-
-if TYPE_CHECKING:
-    from ..comparison.compare import Comparison
-    from ..comparison.where import Dependence
 
 BLIND = 0.5  # noise as a fraction of the signal; above it, an error within the noise says nothing
 
@@ -101,8 +98,6 @@ def _show_errors(comparison: Comparison) -> None:
 
 
 def _show_where(comparison: Comparison, *, titled: bool) -> None:
-    from ..comparison.where import FEWEST_SAMPLES
-
     of = f" ({comparison.model})" if titled else ""
     overall = comparison.overall
     shown = shown_signals(comparison.input, overall)

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING
+
+from ema_bench_replay.traces.header_words import COUNTS, header_words
+from ema_bench_replay.traces.import_map import load_map
+from ema_bench_replay.units import signal_unit, units_of
 
 from ..listing import number_of
+from ..model import load_model
+from ..model.check_comment import CHECK, REMEDIES, START_VALUE
+from ..new_machine.column_quantity import contradicted_quantity
+from ..new_machine.columns import Guess, Guesses
+from ..new_machine.drafts import Drafts
+from ..new_machine.lengths import is_of_turns
+from ..new_machine.told import assumed, doubts_of, estimated, shown
+from ..new_machine.unused_columns import beside_those_taken, with_unknown_units
+from ..new_machine.voltages import voltages
 from .output import say, warn
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ..new_machine.columns import Guess, Guesses
-    from ..new_machine.drafts import Drafts
-
 
 _NOTHING = {True: "no line to check", False: "no line to check, but a signal is missing: see below"}
 _OPEN = "inertia and friction are open: start values only, which fit or discover replace"
@@ -25,10 +31,6 @@ _MOST_COLUMNS = 8  # shown of those with the same reason
 
 def warn_of_contradicted_names(guesses: Guesses) -> None:
     """Warn of columns whose name says one quantity and whose unit another, for example if two units were swapped."""
-    from ema_bench_replay.traces.header_words import header_words
-
-    from ..new_machine.column_quantity import contradicted_quantity
-
     for guess in guesses.signals:
         if said := contradicted_quantity(guess.column, guess.unit):
             unit = header_words(guess.column)
@@ -40,8 +42,6 @@ def warn_of_contradicted_names(guesses: Guesses) -> None:
 
 def warn_of_foreign_units(guesses: Guesses) -> None:
     """Warn of columns whose header has a unit that does not fit their signal, such as per cent of a rated torque."""
-    from ema_bench_replay.units import signal_unit
-
     for guess in guesses.signals:
         if foreign := guess.foreign_unit:
             signal, unit = guess.signal.replace("_", " "), signal_unit(guess.signal, guesses.motion)
@@ -53,8 +53,6 @@ def warn_of_foreign_units(guesses: Guesses) -> None:
 
 def say_unused(guesses: Guesses, columns: Sequence[str]) -> None:
     """Print why those of the ``columns`` that may be meant are not used: their unit, or another column."""
-    from ..new_machine.unused_columns import beside_those_taken, with_unknown_units
-
     if electrical := guesses.electrical:
         say(
             f"Not used, since their numbers are the voltages and powers of a power analyser: {_shortened(electrical)} "
@@ -96,8 +94,6 @@ def _ask_for(unread: Sequence[str], what: str, names: str) -> None:
 
 def say_unclear(columns: Sequence[str], motion: str) -> None:
     """Print that columns are not read that command something, or go as the motion does, and what to do about it."""
-    from ema_bench_replay.units import signal_unit
-
     unclear = "its name does not tell" if len(columns) == 1 else "their names do not tell"
     say(
         f"{_shortened(columns)}: not read, since {unclear} what is commanded or measured (if it is the position, say "
@@ -115,11 +111,6 @@ def say_what_it_rests_on(map_file: Path, place: Path, besides: Sequence[str], kn
 
     More assumptions are in ``besides``, and more that the recordings showed in ``known``.
     """
-    from ema_bench_replay.traces.import_map import load_map
-
-    from ..model import load_model
-    from ..new_machine.told import assumed, doubts_of, estimated, shown
-
     model = load_model(place)
     at_output = any(read.signal == "motor_position" and read.at_output for read in load_map(map_file).signals)
     doubts = doubts_of(model, place.read_text(), map_file.read_text())
@@ -141,8 +132,6 @@ def say_what_to_look_at(place: Path, text: str, told: str, *, complete: bool = T
     Its first two lines, which explain the mark, do not count. ``complete``: whether the recordings hold what an
     analysis needs.
     """
-    from ..model.check_comment import CHECK, START_VALUE
-
     lines = text.splitlines()[2:]
     count = sum(CHECK in line for line in lines)
     parts = [f"{number_of(count, 'line')} to check, marked {CHECK}"] if count else []
@@ -161,8 +150,6 @@ def _reasons(lines: Sequence[str], told: str) -> list[str]:
 
     What replaces an assumed number was told beside that number.
     """
-    from ..model.check_comment import CHECK, REMEDIES
-
     found = []
     for line in lines:
         key, mark, reason = line.partition(f"  # {CHECK}: ")
@@ -174,11 +161,6 @@ def _reasons(lines: Sequence[str], told: str) -> list[str]:
 
 def in_unit(guess: Guess) -> str:
     """The unit in which a column is read, in words."""
-    from ema_bench_replay.traces.header_words import COUNTS, header_words
-    from ema_bench_replay.units import units_of
-
-    from ..new_machine.lengths import is_of_turns
-
     if is_of_turns(guess.column) and guess.unit in units_of(guess.signal, "linear"):
         return f" in {header_words(guess.column).unit}, as of the slide"
     if guess.unit == COUNTS:
@@ -241,8 +223,6 @@ def _is_judgeable(guesses: Guesses) -> bool:
 
 def _how_to_drive(map_file: Path, guesses: Guesses) -> str:
     """What to do without a current or torque: a voltage, or its duty cycle, may stand for the motor's torque."""
-    from ..new_machine.voltages import voltages
-
     if guesses.both_encoders:
         return (
             f"add its column to {map_file}, since operating points cannot be analysed without it; of samples of a "

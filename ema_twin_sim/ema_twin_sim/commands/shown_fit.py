@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+from ..fitting.doubts import tells
+from ..fitting.findings import Finding
+from ..fitting.fit import FitResult
+from ..model import Model
 from ..quantities import estimate, quantity
 from ..words.parameters import numbers_of, parameter_rows
 from ..words.sentences import change_words
 from .output import console, say, warn
 from .tables import ReportTable
 from .torque_errors import show_torque_errors
-
-if TYPE_CHECKING:
-    from ..fitting.findings import Finding
-    from ..fitting.fit import FitResult
-    from ..model import Model
 
 KINDS = {
     "on_bound": "On a bound",
@@ -68,8 +66,6 @@ def _constants(found: FitResult) -> ReportTable:
 
 def errors_table(found: FitResult) -> ReportTable:
     """Table of the errors before and after, on data that was not fitted to; without those of signals that drift."""
-    from ..fitting.doubts import tells
-
     table = ReportTable(f"\nErrors: {found.judged_on}")
     table.words("signal")
     table.numbers("RMSE before", "after", "noise floor")

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ..comparison.beyond_noise import shown_signals
 from ..live.no_bench import no_bench
+from ..nodes.live_session import LiveResult
 from ..quantities import quantity
 from .output import console, say
-
-if TYPE_CHECKING:
-    from ..nodes.live_session import LiveResult
-
 
 _LATE, _LATE_BY = 1.05, 0.5
 """A run was late if it took more than this factor times its nominal duration, plus so many seconds."""

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from itertools import compress
+from typing import Any
 
 from rich.markup import escape
 
+from ..discovery.discover import Discovery, Step
+from ..effects import catalogue
+from ..measured.folds import HALF_OF
+from ..model.constants import PARTS
 from ..quantities import estimate, quantity
 from ..words.dropped import less_dropped
 from ..words.next_recording import recording_words
@@ -32,9 +37,6 @@ from ..words.sentences import (
 from .output import console, say
 from .tables import ReportTable, is_narrow
 
-if TYPE_CHECKING:
-    from ..discovery.discover import Discovery, Step
-
 STEPS_ARE = (
     "Excess: mean square of the error minus that of the sensors' noise; removing 99 % of it leaves a tenth of the RMSE."
     " Runner-up: the second-best effect of the step, and its gain relative to the step's."
@@ -59,12 +61,8 @@ def show_search(found: Discovery, without: Sequence[str] = ()) -> None:
         if shown or found.unseen.refitted:
             console.print(_steps(found, shown))
             say(STEPS_ARE)
-        if dropped:
-            say(dropped)
-        if grew := larger_sentence(shown, found.unseen):
-            say(grew)
-        if leaves := left_sentence(found.unseen):
-            say(leaves)
+        for told in filter(None, (dropped, larger_sentence(shown, found.unseen), left_sentence(found.unseen))):
+            say(told)
         if _is_crowded(found):
             for step in shown:
                 what = "Runner-up to" if step.action == "add" else "Dropped:"
@@ -94,48 +92,36 @@ def show_doubts(groups: Sequence[Sequence[str]], next_recording: str, motion: st
 
 
 def _steps(found: Discovery, shown_steps: Sequence[Step]) -> ReportTable:
-    from ..effects import catalogue
-    from ..measured.folds import HALF_OF
-
     several = len(found.unseen.recordings) > 1
     judged_on = f"recordings {'not ' if several else ''}used for fitting"
     if HALF_OF in found.recordings[0].metadata:
         judged_on = "the half of the points not used for fitting"
-    signal = found.unseen.signal.replace("_", " ")
-    floor = quantity(found.unseen.noise_floor, found.unseen.unit)
+    unseen = found.unseen
+    floor = quantity(unseen.noise_floor, unseen.unit)
+    signal = unseen.signal.replace("_", " ")
     table = ReportTable(f"\nSteps, judged by the {signal} of {judged_on} (noise floor {floor})")
     narrow, output, crowded = is_narrow(), _has_output(found), _is_crowded(found)
     table.words("step", *(() if narrow else ("what it is",)), widest=44)
-    shown = "encoder difference" if found.unseen.encoders else "output position"
+    shown = "encoder difference" if unseen.encoders else "output position"
     table.numbers("RMSE before", "after", "excess removed", *((f"{shown} before", "after") if output else ()))
     table.words(*(() if crowded else ("runner-up",)))
-    unseen = found.unseen
+    has_room = (True, not narrow, True, True, True, output, output, not crowded)
     if unseen.refitted:
         outputs = (unseen.given_output, unseen.output[0]) if output and unseen.given_output is not None else ()
-        table.add_row(
-            REFIT,
-            *(() if narrow else (REFIT_IS,)),
-            draft_words(unseen.given, unseen.rmse[0], unseen.unit),
-            quantity(unseen.rmse[0], unseen.unit),
-            removed_words(unseen.refit_removed, unseen.given, unseen.rmse[0]),
-            *(quantity(value, "rad") for value in outputs),
-            *(() if crowded else ("",)),
-        )
+        sizes = draft_words(unseen.given, unseen.rmse[0], unseen.unit), quantity(unseen.rmse[0], unseen.unit)
+        removed = removed_words(unseen.refit_removed, unseen.given, unseen.rmse[0])
+        cells = (REFIT, REFIT_IS, *sizes, removed, *(quantity(value, "rad") for value in outputs))
+        table.add_row(*compress(cells, has_room))
         table.add_section()
     for step in shown_steps:
-        if step.action != "add":  # dropped in the round of the effect that made it needless, whose row has the numbers
-            blank = [""] * (len(table.columns) - 2 if narrow else 0)
-            table.add_row(f"− {effect_words(step.instance)}", *(() if crowded else (*blank, escape(why_step(step)))))
-            continue
-        table.add_row(
-            f"+ {effect_words(step.instance)}",
-            *(() if narrow else (escape(catalogue()[step.effect].summary),)),
-            quantity(step.rmse_before, step.unit),
-            quantity(step.rmse_after, step.unit),
-            removed_words(step.error_removed, step.rmse_before, step.rmse_after),
-            *(quantity(value, "rad") for value in (step.output_before, step.output_after) if value is not None),
-            *(() if crowded else (escape(why_step(step)),)),
-        )
+        name, why = effect_words(step.instance), escape(why_step(step))
+        cells = (f"− {name}", why, *[""] * 5, why if narrow else "")
+        if step.action == "add":  # what was dropped has its numbers in the row of the effect that made it needless
+            sizes = quantity(step.rmse_before, step.unit), quantity(step.rmse_after, step.unit)
+            removed = removed_words(step.error_removed, step.rmse_before, step.rmse_after)
+            positions = (quantity(value, "rad") for value in (step.output_before, step.output_after))
+            cells = (f"+ {name}", escape(catalogue()[step.effect].summary), *sizes, removed, *positions, why)
+        table.add_row(*compress(cells, has_room))
     return table
 
 
@@ -188,8 +174,6 @@ def moved_slightly(found: Discovery) -> tuple[list[str], list[str]]:
 
     Second, those of them whose error is larger than their value, which no change describes: ``inertia = 0 ± 3 g m^2``.
     """
-    from ..model.constants import PARTS
-
     moved, unknown = [], []
     constants: Mapping[str, Mapping[str, Any]] = found.constants
     for part, entries in constants.items():

@@ -3,30 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from rich.markup import escape
 
+from ..campaign.histories import Outlook
+from ..campaign.unit_health import UnitHealth
+from ..campaign.units import Unit
 from ..listing import number_of
 from ..quantities import estimate, quantity
 from ..words.unit_health import MONTH, TEST_HEAD, course_words, naming_words, test_cells
 from ..words.unit_results import LAST_ERROR, NUMBERS, result_columns
-from ..words.units import (
-    LAST_ERROR_IS,
-    change_of,
-    life_words,
-    looked_for,
-    moving_words,
-    number_words,
-    order_words,
-)
+from ..words.units import LAST_ERROR_IS, change_of, life_words, looked_for, moving_words, number_words, order_words
 from .output import console, say
 from .tables import ReportTable
-
-if TYPE_CHECKING:
-    from ..campaign.histories import Outlook
-    from ..campaign.unit_health import UnitHealth
-    from ..campaign.units import Unit
 
 
 def show_units(

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from rich.markup import escape
 
 from ..comparison.beyond_noise import shown_signals
+from ..comparison.closeness import Closeness, CloserModel, closer
+from ..comparison.compare import Comparison
+from ..comparison.running_comparison import SignalError
 from ..listing import listed
 from ..quantities import quantity
 from ..words.error_cells import ALL, closeness_cell, error_cell, noise_cell, number_of_times
@@ -15,14 +17,9 @@ from ..words.sentences import by_number, input_words
 from .output import console, say
 from .tables import ReportTable
 
-if TYPE_CHECKING:
-    from ..comparison.closeness import Closeness, CloserModel
-    from ..comparison.compare import Comparison
-    from ..comparison.running_comparison import SignalError
-
 _POSITIONS = ("output_position", "motor_position")
 _CLOSER = "times closer"
-_Table = Callable[[str, Sequence["Comparison"]], ReportTable]
+_Table = Callable[[str, Sequence[Comparison]], ReportTable]
 
 
 def show_side_by_side(comparisons: Sequence[Comparison]) -> None:
@@ -52,8 +49,6 @@ def _print_folded(name: str, comparisons: Sequence[Comparison], table_of: _Table
 
 
 def _of_recordings(name: str, comparisons: Sequence[Comparison]) -> ReportTable:
-    from ..comparison.closeness import closer
-
     first = comparisons[0]
     error = first.overall[name]
     driving = input_words(first.input, first.overall, first.motion)
@@ -72,8 +67,6 @@ def _of_recordings(name: str, comparisons: Sequence[Comparison]) -> ReportTable:
 
 
 def _of_signals(_: str, comparisons: Sequence[Comparison]) -> ReportTable:
-    from ..comparison.closeness import closer
-
     first = comparisons[0]
     driving = input_words(first.input, first.overall, first.motion)
     of = ALL if len(first.recordings) > 1 else first.recordings[0].name
@@ -105,8 +98,6 @@ def _cells(
 
 def _in_words(name: str, first: Comparison, other: Comparison) -> str:
     """``Model better: 14.6 × closer than polito_bench in the current, from 11.2 × (ramp_0.1) to 15.1 × (sine).``"""
-    from ..comparison.closeness import closer
-
     found = closer(first, other)
     signal = name.replace("_", " ")
     if name not in found.overall:

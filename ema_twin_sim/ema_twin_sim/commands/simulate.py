@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -12,12 +12,6 @@ from ema_bench_replay.errors import InputError
 from ..quantities import quantity
 from . import options
 from .output import console, warn
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from ..model import Model
-    from ..simulation.command import Command
 
 EXAMPLES = """Examples:
 
@@ -88,7 +82,10 @@ def run(
         seconds = 20.0 if parsed.seconds is None else parsed.seconds
     driven = load_model(model)
     recording = virtual_bench(driven, parsed, seconds, seed=seed if noise else None, step=step)
-    _warn_of_speed(driven, parsed, recording.stamps * 1e-9)
+    asked = parsed.highest_speed(recording.stamps * 1e-9) * driven.value("machine.gear_ratio")
+    limit, unit = driven.value("drive.speed_limit"), driven.unit("drive.speed_limit")
+    if asked > limit * (1.0 + 1e-6):
+        warn(f"{parsed.text} needs {asked:.4g} {unit} at the motor; its drive.speed_limit is {limit:.4g} {unit}")
     recording = replace(recording, name=output.stem)
     if output.suffix.lower() == ".mcap":
         write_mcap(recording, output, force=force)
@@ -101,11 +98,3 @@ def run(
         f"{', '.join(recording.signals)}",
         soft_wrap=True,
     )
-
-
-def _warn_of_speed(model: Model, command: Command, time: np.ndarray) -> None:
-    """Warn of a command that asks for more than the drive's speed limit; a jump of the position does not count."""
-    asked = command.highest_speed(time) * model.value("machine.gear_ratio")
-    limit, unit = model.value("drive.speed_limit"), model.unit("drive.speed_limit")
-    if asked > limit * (1.0 + 1e-6):
-        warn(f"{command.text} needs {asked:.4g} {unit} at the motor; its drive.speed_limit is {limit:.4g} {unit}")

@@ -12,7 +12,6 @@ import typer
 from rich.markup import escape
 
 from ..listing import number_of
-from ..words.sweep import columns, limit_words, meaning, point_cells
 from . import options
 from .output import console, counted, say, status, warn
 from .tables import ReportTable
@@ -42,7 +41,6 @@ def run(
     vary: Annotated[
         list[str],
         typer.Option(
-            "--vary",
             metavar="PATH=LOW:HIGH:COUNT[:log]",
             help="A parameter to vary and its values, in SI units; PATH=VALUE for one value. May be repeated.",
         ),
@@ -60,7 +58,6 @@ def run(
     sample: Annotated[
         int | None,
         typer.Option(
-            "--sample",
             metavar="N",
             parser=options.whole(1, 1_000_000),
             help="N points drawn evenly (Latin hypercube), in place of a grid.",
@@ -74,14 +71,12 @@ def run(
     ] = 1,
     seed: Annotated[int, typer.Option(metavar="N", parser=options.whole(0, 10**9), help="Seed of the sample.")] = 0,
     bounds_only: Annotated[
-        bool,
-        typer.Option("--bounds-only", help="Compute only the bounds of the errors, without searching (faster)."),
+        bool, typer.Option("--bounds-only", help="Compute only the bounds of the errors, without searching (faster).")
     ] = False,
     workers: options.Workers = options.CORES,
     scheduler: options.Scheduler = None,
     page: Annotated[
-        Path | None,
-        typer.Option("--page", metavar="FILE.html", help="Also write an HTML page with a map of the results."),
+        Path | None, typer.Option(metavar="FILE.html", help="Also write an HTML page with a map of the results.")
     ] = None,
     force: options.Force = False,
     json: options.JsonFile = None,
@@ -102,12 +97,10 @@ def run(
     from ..model import load_model
     from ..model.model_file import model_files
     from ..simulation.command import parse_command
-    from .inputs import refuse_existing, refuse_inputs, write_json
-    from .report_page import check_page_name
+    from ..words.sweep import limit_words
+    from .inputs import check_outputs, write_json
 
-    check_page_name(page)
-    refuse_inputs([], page)
-    refuse_existing(force, page)
+    check_outputs([], force, page=page)
     base = load_model(model)
     for text in command:
         parse_command(text)
@@ -165,6 +158,8 @@ def run(
 
 def _show(points: Sequence[SweptPoint]) -> None:
     """Print one row per point: how often the effect was named, and the errors of the varied numbers."""
+    from ..words.sweep import columns, meaning, point_cells
+
     if not points:
         return
     table = ReportTable(number_of(len(points), "point"))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from .output import say
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # its filters take a second to import
     from ..comparison.torque_error import TorqueError
 
 

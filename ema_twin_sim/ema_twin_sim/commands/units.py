@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from ..listing import by_recording, number_of
-from ..words.units import fleet_words, unit_words
 from . import options
 from .output import counted, say, warn
-from .rerun_file import check_rrd_name, tell_of_rrd
-from .shown_units import show_health, show_numbers, show_recordings, show_units
-
-if TYPE_CHECKING:
-    from ..campaign.histories import Outlook
-    from ..campaign.unit_health import UnitHealth
-    from ..campaign.units import Unit
 
 EXAMPLES = """Examples:
 
@@ -43,32 +34,26 @@ _ROWS = 20
 
 def run(
     results: Annotated[Path, typer.Argument(metavar="RESULTS", help="The folder that campaign wrote.")],
-    unit: Annotated[
-        str | None, typer.Option("--unit", metavar="NAME", help="Show each recording of this unit.")
-    ] = None,
+    unit: Annotated[str | None, typer.Option(metavar="NAME", help="Show each recording of this unit.")] = None,
     limits: Annotated[
-        Path | None,
-        typer.Option("--limits", metavar="FILE.yaml", help="Limits of numbers, in SI units: backlash.width: 0.004"),
+        Path | None, typer.Option(metavar="FILE.yaml", help="Limits of numbers, in SI units: backlash.width: 0.004")
     ] = None,
     healthy: Annotated[
         str | None,
         typer.Option(
-            "--healthy",
             metavar="N|PATTERN",
             help="Which results of each unit are healthy: the first N, or those whose name matches a regular "
             "expression; by default the first third.",
         ),
     ] = None,
     page: Annotated[
-        Path | None,
-        typer.Option("--page", metavar="FOLDER", help="Also write pages: FOLDER/index.html, and one of each unit."),
+        Path | None, typer.Option(metavar="FOLDER", help="Also write pages: FOLDER/index.html, and one of each unit.")
     ] = None,
     whole: Annotated[
         bool, typer.Option("--all", help="Show all rows of the tables, however many; by default the most telling.")
     ] = False,
     rrd: Annotated[
-        Path | None,
-        typer.Option("--rrd", metavar="FILE.rrd", help="Also write the history of --unit as views for rerun."),
+        Path | None, typer.Option(metavar="FILE.rrd", help="Also write the history of --unit as views for rerun.")
     ] = None,
     force: options.Force = False,
     json: options.JsonFile = None,
@@ -84,19 +69,19 @@ def run(
     from ..campaign.feature_courses import feature_courses
     from ..campaign.healthy import Healthy
     from ..campaign.healthy_chosen import check_choice
-    from ..campaign.histories import FEWEST_HEALTHY, outlooks, read_limits
+    from ..campaign.histories import FEWEST_HEALTHY, Outlook, outlooks, read_limits
     from ..campaign.store import Store
-    from ..campaign.unit_health import sickest_first, unit_health
+    from ..campaign.unit_health import UnitHealth, sickest_first, unit_health
     from ..campaign.units import units_of
     from ..model.model import nearest
-    from .inputs import refuse_existing, refuse_inputs, write_json
+    from ..words.units import fleet_words, unit_words
+    from .inputs import check_outputs, write_json
+    from .shown_units import show_health, show_numbers, show_recordings, show_units
 
-    check_rrd_name(rrd)
     if rrd is not None and unit is None:
         raise InputError(f"--rrd {rrd}: shows one unit; name it with --unit")
     overview = None if page is None else page / "index.html"
-    refuse_inputs([*([] if limits is None else [limits])], rrd, overview, json)
-    refuse_existing(force, rrd, overview)
+    check_outputs([] if limits is None else [limits], force, json=json, page=overview, rrd=rrd)
     of_numbers = read_limits(limits)
     known_good = Healthy.of(healthy, FEWEST_HEALTHY)
     found = units_of(Store.opened(results).rows())
@@ -146,6 +131,7 @@ def run(
         warn(warning)
     if rrd is not None and unit is not None:
         from ..views.unit_history import write_unit_history
+        from .rerun_file import tell_of_rrd
 
         tell_of_rrd(rrd, write_unit_history(rrd, ahead[unit], health[unit], force=force))
     if page is not None:
@@ -154,12 +140,6 @@ def run(
         with counted(len(found), "writing pages") as done:
             overview = write_fleet(page, found, ahead, health, copies, force=force, done=done)
         say(f"{overview}: open it in any browser")
-    write_json(json, [_json(one, ahead[one.name], health[one.name]) for one in found])
-
-
-def _json(one: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> dict[str, object]:
-    return {
-        **one.as_json(),
-        "numbers": [look.as_json() for look in looks],
-        "health": None if health is None else health.as_json(),
-    }
+    numbers = {name: [look.as_json() for look in looks] for name, looks in ahead.items()}
+    judged = {name: None if of is None else of.as_json() for name, of in health.items()}
+    write_json(json, [{**one.as_json(), "numbers": numbers[one.name], "health": judged[one.name]} for one in found])

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 def shown_signals(source: str, signals: Mapping[str, SignalError]) -> list[str]:
     """The compared signals whose errors are meaningful with a given input."""
-    from ..simulation.compared_signals import drifting  # with numpy, which the command line does without at first
+    from ..simulation.compared_signals import drifting  # with the whole simulation
 
     left_out = drifting(source)
     return [name for name, signal in signals.items() if not signal["driven"] and name not in left_out]

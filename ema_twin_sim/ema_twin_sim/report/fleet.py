@@ -20,7 +20,7 @@ from ..campaign.unit_health import UnitHealth
 from ..campaign.units import Unit
 from ..listing import number_of
 from ..quantities import estimate, quantity
-from ..words.unit_health import TEST_HEAD, course_words, feature_words, health_words, test_cells
+from ..words.unit_health import TEST_HEAD, course_words, health_words, test_cells
 from ..words.unit_results import LAST_ERROR, NUMBERS, result_columns
 from ..words.units import (
     LAST_ERROR_IS,
@@ -234,7 +234,7 @@ def _advice(unit: Unit, changed: Sequence[Outlook], leading: Sequence[Outlook], 
 
 
 def _feature_figure(look: Outlook) -> Markup:
-    words = f"{feature_words(look)}, in standard deviations of the healthy tests"
+    words = f"{look.history.name.replace('_', ' ')}, in standard deviations of the healthy tests"
     return tag("figure", tag("figcaption", words), history_chart(look))
 
 

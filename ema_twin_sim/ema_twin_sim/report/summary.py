@@ -9,10 +9,9 @@ from ..comparison.beyond_noise import is_noise, times_noise, times_words
 from ..comparison.running_comparison import SignalError, excess_removed
 from ..criteria import NOISY
 from ..effects import catalogue
-from ..listing import listed, number_of
+from ..listing import few_of, listed, number_of
 from ..quantities import MOST_TIMES, limited_factor, quantity
 from ..words.findings import UnseenErrors
-from ..words.origin import names_of
 from ..words.sentences import (
     NO_RUNNER_UP,
     NOT_IN_CATALOGUE,
@@ -216,7 +215,7 @@ def _sure(content: Content) -> list[Markup]:
     names = [recording.name for recording in content.given.recordings]
     for said, result in (("search", findings), ("fit", content.fit)):
         if result is not None and result.origin is not None and result.origin.differs(names):
-            lines.append(f"{result.origin.sentence(said)} Those of this page are {names_of(names)}.")
+            lines.append(f"{result.origin.sentence(said)} Those of this page are {few_of(names)}.")
     return [items(*lines)]
 
 

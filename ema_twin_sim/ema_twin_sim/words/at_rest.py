@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ..comparison.beyond_noise import beyond_noise
+from ..comparison.compare import Comparison
 from ..quantities import quantity
-
-if TYPE_CHECKING:
-    from ..comparison.compare import Comparison
 
 _TORQUE = "unexplained_torque"
 

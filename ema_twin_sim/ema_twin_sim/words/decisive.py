@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
 
 from ..comparison.beyond_noise import beyond_noise
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from ..comparison.compare import Comparison
-    from ..comparison.decisive_stretch import DecisiveStretch
+from ..comparison.compare import Comparison
+from ..comparison.decisive_stretch import DecisiveStretch
 
 _ROUNDED = 1e-3  # s, to which times are told
 

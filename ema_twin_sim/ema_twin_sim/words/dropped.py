@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+from ..discovery.steps import Step
+from ..effects import catalogue
 from ..listing import listed
 from .sentences import effect_words
-
-if TYPE_CHECKING:
-    from ..discovery.steps import Step
 
 _FEW = 2  # dropped effects that keep their rows
 
@@ -33,15 +32,8 @@ def less_dropped(steps: Sequence[Step]) -> tuple[list[Step], str]:
 
 def _named(steps: Sequence[Step]) -> list[str]:
     """The effects of these steps in words; how many of each, if there were several."""
-    from ..effects import catalogue  # with numpy, for which --help would wait
-
-    count: dict[str, int] = {}
-    for step in steps:
-        count[step.effect] = count.get(step.effect, 0) + 1
-    repeating = {id for id, effect in catalogue().items() if effect.depends_on == "order"}
-    return [
-        effect_words(id)
-        if number == 1
-        else f"{effect_words(id)} {f'at {number} orders' if id in repeating else f'({number} times)'}"
-        for id, number in count.items()
-    ]
+    named = []
+    for id, count in Counter(step.effect for step in steps).items():
+        often = f" at {count} orders" if catalogue()[id].depends_on == "order" else f" ({count} times)"
+        named.append(f"{effect_words(id)}{often if count > 1 else ''}")
+    return named

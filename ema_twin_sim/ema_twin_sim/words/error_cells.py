@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ..comparison.beyond_noise import is_noise, times_noise
+from ..comparison.closeness import Closeness
+from ..comparison.running_comparison import SignalError
 from ..criteria import TOO_MUCH
 from ..quantities import MOST_TIMES, limited_factor, quantity
-
-if TYPE_CHECKING:
-    from ..comparison.closeness import Closeness
-    from ..comparison.running_comparison import SignalError
 
 ALL = "all recordings"
 """Name of the row of all recordings together."""

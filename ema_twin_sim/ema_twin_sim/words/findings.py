@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeVar
 
 from ema_bench_replay.errors import InputError
 
-from ..discovery.diagnose import Ranked
+from ..discovery.diagnose import Diagnosis, Ranked
+from ..discovery.discover import Discovery
+from ..discovery.evidence import evidence_json
 from ..discovery.steps import Step
-from .origin import Origin, read_origin
+from .origin import Origin, read_origin, texts
 
-if TYPE_CHECKING:
-    from ..discovery.diagnose import Diagnosis
-    from ..discovery.discover import Discovery
-
+Result = TypeVar("Result")
 CURVES = ("before", "after", "runner_up")
 """Names of the curves in the evidence: the model before a step, after it, and with the runner-up in its place."""
 Held = Mapping[str, Any]
@@ -85,27 +84,27 @@ class Findings:
 
 def findings_of(found: Discovery, diagnosis: Diagnosis) -> Findings:
     """Findings of a search, with the probabilities of its diagnosis."""
-    from ..discovery.evidence import evidence_json
-
     told = _read({**found.as_json(), "evidence": evidence_json(found)})
     return replace(told, ranking=diagnosis.ranking, none=diagnosis.none, unknown=diagnosis.unknown)
 
 
 def read_findings(path: Path) -> Findings:
     """Read findings from a file. Raises InputError if ``discover`` or ``diagnose`` did not write it."""
+    return read_result(path, _read, "discover", "diagnose")
+
+
+def read_result(path: Path, read: Callable[[Any], Result], *verbs: str) -> Result:
+    """What ``read`` makes of the JSON in a file. Raises InputError if none of the ``verbs`` wrote it."""
+    remedy = f"give the file that {verbs[0]} --json wrote"
     try:
-        content = json.loads(path.read_bytes())
+        return read(json.loads(path.read_bytes()))
     except OSError as error:
-        raise InputError(
-            f"{path}: cannot be read ({error.strerror}); give the file that discover --json wrote"
-        ) from None
-    except ValueError as error:
-        raise InputError(f"{path}: is not JSON ({error}); give the file that discover --json wrote") from None
-    try:
-        return _read(content)
+        raise InputError(f"{path}: cannot be read ({error.strerror}); {remedy}") from None
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: is not JSON ({error}); {remedy}") from None
     except (AttributeError, KeyError, TypeError, ValueError) as error:
-        what = f"{type(error).__name__}: {error}"
-        raise InputError(f"{path}: is not what discover --json or diagnose --json writes ({what})") from None
+        wrote = " or ".join(f"{verb} --json" for verb in verbs)
+        raise InputError(f"{path}: is not what {wrote} writes ({type(error).__name__}: {error})") from None
 
 
 def _read(content: Mapping[str, Any]) -> Findings:
@@ -116,24 +115,24 @@ def _read(content: Mapping[str, Any]) -> Findings:
         verdict = "explained"
     return Findings(
         verdict,
-        _words(added),
+        texts(added),
         ranking,
         number(content["none"]) if ranking else None,
         number(content["unknown"]) if ranking else None,
         tuple(_step(step) for step in content.get("steps", ())),
         {str(name): checked_entry(entry) for name, entry in content.get("parameters", {}).items()},
         {str(part): checked_numbers(entries) for part, entries in content.get("constants", {}).items()},
-        tuple(_words(group) for group in content["groups"]),
-        _words(content["depends_on"]),
+        tuple(texts(group) for group in content["groups"]),
+        texts(content["depends_on"]),
         str(content["next_recording"]),
         str(content.get("stopped", "")),
         _unseen(content["unseen"]) if "unseen" in content else None,
         tuple(_signature(step) for step in content.get("evidence", {}).get("steps", ()) if step["views"]),
-        _words(content.get("warnings", ())),
+        texts(content.get("warnings", ())),
         str(content.get("left_over", "")),
         {str(name): number(times) for name, times in content.get("beyond_noise", {}).items()},
         read_origin(content),
-        _words(content.get("misread", ())),
+        texts(content.get("misread", ())),
     )
 
 
@@ -150,12 +149,6 @@ def _perhaps(value: Any) -> float | None:
 
 def _numbers(values: Sequence[Any]) -> tuple[float, ...]:
     return tuple(number(value) for value in values)
-
-
-def _words(values: Sequence[Any]) -> tuple[str, ...]:
-    if isinstance(values, str):
-        raise ValueError(f"{values!r} is no list")
-    return tuple(str(value) for value in values)
 
 
 def checked_numbers(numbers: Mapping[str, Held]) -> dict[str, Any]:
@@ -202,7 +195,7 @@ def _step(step: Mapping[str, Any]) -> Step:
         output_after=_perhaps(step["output_after"]),
         error_removed=_perhaps(step["error_removed"]),
         reason=str(step["reason"]),
-        tried=tuple({"names": list(_words(t["names"])), "gain": number(t["gain"])} for t in step["tried"]),
+        tried=tuple({"names": list(texts(t["names"])), "gain": number(t["gain"])} for t in step["tried"]),
     )
 
 

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ema_bench_replay.errors import InputError
-
-from .findings import Held, checked_entry, checked_numbers, number
+from .findings import Held, checked_entry, checked_numbers, number, read_result
 from .origin import Origin, read_origin
 
 if TYPE_CHECKING:
@@ -36,13 +33,7 @@ def fit_findings_of(fit: FitResult) -> FitFindings:
 
 def read_fit_findings(path: Path) -> FitFindings:
     """Read findings from a file. Raises InputError if ``fit`` did not write it."""
-    try:
-        return _read(json.loads(path.read_bytes()))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); give the file that fit --json wrote") from None
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
-        what = f"{type(error).__name__}: {error}"
-        raise InputError(f"{path}: is not what fit --json writes ({what})") from None
+    return read_result(path, _read, "fit")
 
 
 def _read(content: Mapping[str, Any]) -> FitFindings:

@@ -6,6 +6,7 @@ import re
 
 from ema_bench_replay.errors import InputError
 
+from ..simulation.command import in_words
 from .sentences import effect_words
 
 _SUGGESTED = re.compile(r"(?P<command>[a-z-]+:[^ ]+) for (?P<seconds>[^ ]+) s: (?P<why>.*)")
@@ -27,8 +28,6 @@ def spoken(text: str) -> str:
 
 def recording_words(suggestion: str, motion: str = "rotary") -> str:
     """What a search suggests to record, with its command in words and with units; other suggestions as they are."""
-    from ..simulation.command import in_words  # with numpy, which the command line does without until it computes
-
     found = _SUGGESTED.fullmatch(suggestion)
     try:
         said = in_words(found["command"], motion) if found is not None else ""

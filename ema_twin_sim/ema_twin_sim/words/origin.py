@@ -9,10 +9,8 @@ from typing import Any
 
 from ema_bench_replay.errors import InputError
 
-from ..listing import listed
+from ..listing import few_of, listed
 from ..model import Model
-
-_MOST_NAMES = 5
 
 
 @dataclass(frozen=True)
@@ -30,17 +28,21 @@ class Origin:
     def sentence(self, what: str) -> str:
         """What was used: ``The search used the recordings a and b.``"""
         one = "recording" if len(self.recordings) == 1 else "recordings"
-        return f"The {what} used the {one} {names_of(self.recordings)}, and model {self.model}."
+        return f"The {what} used the {one} {few_of(self.recordings)}, and model {self.model}."
 
 
 def read_origin(content: Mapping[str, Any]) -> Origin | None:
     """The origin from a result's JSON; None if the file does not tell it, as those of 0.1.0 do not."""
     if "machine" not in content or "recordings" not in content:
         return None
-    names = content["recordings"]
-    if isinstance(names, str):
-        raise ValueError(f"{names!r} is no list")
-    return Origin(str(content["model"]), str(content["machine"]), tuple(str(name) for name in names))
+    return Origin(str(content["model"]), str(content["machine"]), texts(content["recordings"]))
+
+
+def texts(values: Any) -> tuple[str, ...]:
+    """A list of texts from a file. Raises ValueError if it is a single one."""
+    if isinstance(values, str):
+        raise ValueError(f"{values!r} is no list")
+    return tuple(str(value) for value in values)
 
 
 def refuse_foreign(
@@ -62,15 +64,9 @@ def refuse_foreign(
         )
     if not any(_is_in(name, given) for name in origin.recordings):
         raise InputError(
-            f"{path}: was computed from {names_of(origin.recordings)}, but the recordings given are {names_of(given)}; "
+            f"{path}: was computed from {few_of(origin.recordings)}, but the recordings given are {few_of(given)}; "
             f"{advice}"
         )
-
-
-def names_of(names: Sequence[str]) -> str:
-    """The names, up to five of them."""
-    shown = names if len(names) <= _MOST_NAMES else [*names[: _MOST_NAMES - 1], f"{len(names) - _MOST_NAMES + 1} more"]
-    return listed(shown)
 
 
 def _is_in(name: str, names: Sequence[str]) -> bool:

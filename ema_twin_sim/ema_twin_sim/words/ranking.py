@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+from ..discovery.diagnose import Ranked
 from ..quantities import estimate
+from .findings import Findings
 from .sentences import NOT_IN_CATALOGUE, effect_words, no_effect_words, options_words
-
-if TYPE_CHECKING:
-    from ..discovery.diagnose import Ranked
-    from .findings import Findings
 
 _LEAST = 0.005  # smallest probability that is shown as more than none
 UNLIKELY = 3

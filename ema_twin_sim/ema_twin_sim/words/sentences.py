@@ -9,7 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 from ..comparison.beyond_noise import is_noise, times_words, told_share
 from ..criteria import CLEARLY_MORE, MOSTLY, NOISY, SUREST
+from ..effects import catalogue
+from ..effects.effect import OUTPUT_TORQUE
 from ..listing import listed
+from ..model import Model
+from ..model.model import ORDER_ERROR
+from ..model.own_units import is_linear
 from ..quantities import MOST_TIMES, limited_factor, quantity
 
 if TYPE_CHECKING:
@@ -17,7 +22,6 @@ if TYPE_CHECKING:
     from ..discovery.discover import Discovery
     from ..discovery.steps import Step
     from ..discovery.unseen import Unseen
-    from ..model import Model
     from .findings import Findings, UnseenErrors
     from .fit_findings import FitFindings
 
@@ -190,52 +194,26 @@ def beyond_words(beyond: Mapping[str, float]) -> str:
     return listed(said)
 
 
-def verdict_sentence(
-    verdict: str,
-    effects: Sequence[str],
-    depends_on: Sequence[str],
-    without: Sequence[str] = (),
-    groups: Sequence[Sequence[str]] = (),
-    model: str = YOURS,
-    left_over: str = "",
-    beyond: Mapping[str, float] | None = None,
-) -> str:
-    """A sentence on what the recordings say about a model; ``verdict`` is explained, none or unknown.
-
-    ``without`` are effects that were not looked for, ``groups`` those that the recordings cannot tell apart.
-    ``left_over`` says how large the remaining error is and where; ``beyond`` which signals still exceed their noise.
-    """
-    lacks = f"{model} lacks {listed(_or_its_likes(effect, effects, groups) for effect in effects)}" if effects else ""
-    if verdict == "none":
+def verdict_of(found: Discovery | Findings, model: str = YOURS, without: Sequence[str] = ()) -> str:
+    """A sentence on what the recordings say about a model; ``without`` are effects that were not looked for."""
+    named = listed(_or_its_likes(effect, found.added, found.groups) for effect in found.added) if found.added else ""
+    lacks = f"{model} lacks {named}" if named else ""
+    if found.verdict == "none":
         of = "" if model == YOURS else f" in {model}"
-        if beyond:
-            return f"These recordings show no missing effect{of}, but {beyond_words(beyond)}."
+        if found.beyond_noise:
+            return f"These recordings show no missing effect{of}, but {beyond_words(found.beyond_noise)}."
         return f"These recordings show nothing missing{of}."
-    if verdict == "explained":
+    if found.verdict == "explained":
         return f"{lacks}."
-    along = f": {left_over}" if left_over else ""
+    along = f": {found.left_over}" if found.left_over else ""
     start, error = (
         (f"{lacks}. A further error remains", "it") if lacks else ("Something is missing", "the remaining error")
     )
-    left = f"; {error} depends on {dependence_words(depends_on)}{along}" if depends_on else ""
+    left = f"; {error} depends on {dependence_words(found.depends_on)}{along}" if found.depends_on else ""
     explains = "no effect of the catalogue explains"
     if without:
         explains = f"no effect explains, except possibly {listed(map(effect_words, without), 'or')} (excluded)"
     return f"{start} that {explains}{left}."
-
-
-def verdict_of(found: Discovery | Findings, model: str = YOURS, without: Sequence[str] = ()) -> str:
-    """``verdict_sentence`` for the result of a search; ``without`` are effects that it did not look for."""
-    return verdict_sentence(
-        found.verdict,
-        found.added,
-        found.depends_on,
-        without,
-        found.groups,
-        model=model,
-        left_over=found.left_over,
-        beyond=found.beyond_noise,
-    )
 
 
 def no_effect_words(beyond: Mapping[str, float]) -> str:
@@ -260,10 +238,6 @@ def options_words(options: Mapping[str, str]) -> str:
 
 def order_sentences(model: Model, names: Iterable[str]) -> list[str]:
     """Sentences on the machine parts that repeat at the effects' orders; if the model names none, what they may be."""
-    from ..effects import catalogue
-    from ..model.model import ORDER_ERROR
-    from ..model.own_units import is_linear
-
     told = []
     unnamed: dict[tuple[str, str], list[str]] = {}
     for name in names:
@@ -315,9 +289,6 @@ def output_sentence(model: Model, names: Iterable[str]) -> str:
 
 def _has_output_torque(model: Model, name: str) -> bool:
     """Whether an instance acts on the output with a parameter that is a torque."""
-    from ..effects import catalogue
-    from ..effects.effect import OUTPUT_TORQUE
-
     instance = model.effects[name]
     effect = catalogue()[instance.effect]
     on_output = effect.where(instance.options) == OUTPUT_TORQUE or instance.options.get("side") == "output"

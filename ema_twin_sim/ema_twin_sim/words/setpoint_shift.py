@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ..comparison.beyond_noise import beyond_noise
+from ..comparison.compare import Comparison
+from ..comparison.setpoint_shift import SetpointShift
 from ..quantities import quantity
-
-if TYPE_CHECKING:
-    from ..comparison.compare import Comparison
-    from ..comparison.setpoint_shift import SetpointShift
 
 
 def shift_sentence(comparison: Comparison) -> str:

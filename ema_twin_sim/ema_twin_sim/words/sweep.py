@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+from ..campaign.sweep_points import DetectionLimit, Swept, SweptPoint
 from ..criteria import SIGNIFICANT
 from ..quantities import quantity
-
-if TYPE_CHECKING:
-    from ..campaign.sweep_points import DetectionLimit, Swept, SweptPoint
 
 _COLUMNS = {"lowest error": "bound", "reported error": "told", "actual error": "scatter"}
 

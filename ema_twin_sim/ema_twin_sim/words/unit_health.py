@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+from ..campaign.histories import Outlook
+from ..campaign.unit_health import JudgedTest, UnitHealth
+from ..health.judgement import changed_words
 from ..listing import number_of
 from ..quantities import estimate
 from .unit_results import DISTANCE, first_clause
-
-if TYPE_CHECKING:
-    from ..campaign.histories import Outlook
-    from ..campaign.unit_health import JudgedTest, UnitHealth
 
 TEST_HEAD = ("test", "deviating", DISTANCE, "fault family", "what changed")
 """Headings of a unit's tests, compared with its healthy ones."""
@@ -87,19 +85,14 @@ def course_words(look: Outlook) -> str:
     of, trend = look.history, look.trend
     last = float(of.values[-1])
     told = (
-        f"{feature_words(look)}: in the last test {abs(last):.{0 if abs(last) > 10.0 else 1}f} standard deviations "
-        f"{'above' if last > 0.0 else 'below'} the healthy"
+        f"{of.name.replace('_', ' ')}: in the last test {abs(last):.{0 if abs(last) > 10.0 else 1}f} standard "
+        f"deviations {'above' if last > 0.0 else 'below'} the healthy"
     )
     if trend is None:
         since = f" since {of.names[look.change.begin]}" if look.change else ""
         return f"{told}, without a trend{since}" if of.dated else told
     slope = estimate(abs(trend.slope) * MONTH, trend.slope_error * MONTH, "1")
     return f"{told}, {'rising' if trend.slope > 0.0 else 'falling'} by {slope} a month"
-
-
-def feature_words(look: Outlook) -> str:
-    """A feature's name: *fast roughness*."""
-    return look.history.name.replace("_", " ")
 
 
 def test_cells(test: JudgedTest) -> tuple[str, ...]:
@@ -127,8 +120,6 @@ def _change_words(test: JudgedTest) -> str:
         return " ".join(worst.words)
     if not test.detected:
         return ""
-    from ..health.judgement import changed_words  # with all of scipy.stats: only if something is told
-
     said = changed_words(worst.changes)
     why = test.why if test.named is None else ""
     return f"{said[:1].upper()}{said[1:]}. {why}".rstrip()

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..campaign.dates import when_words
+from ..campaign.unit_health import UnitHealth
+from ..campaign.units import Unit
+from ..health.judgement import HealthJudgement
+from ..health.naming import in_words
 from .sentences import effect_words
-
-if TYPE_CHECKING:
-    from ..campaign.unit_health import UnitHealth
-    from ..campaign.units import Unit
-    from ..health.judgement import HealthJudgement
 
 LAST_ERROR = "error left / noise"
 """Heading of the largest error of a result, in times the sensors' noise."""
@@ -74,8 +73,6 @@ def _of_reference(held: Mapping[str, Any]) -> tuple[str, str]:
 
 def _largest(run: HealthJudgement) -> str:
     """The feature that is farthest from the healthy ones, with its change: *lag +16.2*; empty if there is none."""
-    from ..health.naming import in_words  # with numpy: only if something is told
-
     held = in_words(run.changes)
     if not held:
         return ""

@@ -5,19 +5,16 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
+from ..campaign.histories import Outlook
+from ..campaign.unit_health import UnitHealth
+from ..campaign.units import Unit
 from ..criteria import MOSTLY
 from ..listing import number_of
 from ..quantities import quantity
 from .sentences import effect_words
 from .unit_health import blind_words, family_words, health_words, tests_words
 from .unit_results import LAST_ERROR
-
-if TYPE_CHECKING:
-    from ..campaign.histories import Outlook
-    from ..campaign.unit_health import UnitHealth
-    from ..campaign.units import Unit
 
 LAST_ERROR_IS = (
     f"{LAST_ERROR.capitalize()}: the largest error of a signal in the last recording that was judged, in times the "
