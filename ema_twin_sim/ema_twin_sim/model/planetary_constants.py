@@ -4,7 +4,7 @@ Backlash and run-out are lengths along the line of action. Without condition par
 and equations: ``plant/planetary``.
 """
 
-import math
+from math import inf
 
 from .constant import Constant
 
@@ -34,17 +34,10 @@ PLANETARY_CONSTANTS = (
     _row("face_width", "m", 1e-4, 10.0, "face width of all wheels"),
     _row("youngs_modulus_ratio", "1", 1e-5, 2.0, "Young's modulus of the teeth over that of steel"),
     _row("mesh_damping_ratio", "1", 0.0, 1.0, "damping of each mesh over its critical one"),
-    _row("sun_inertia", "kg m^2", 0.0, math.inf, "inertia of the sun; 0 by its share of the gearbox's", 0.0),
-    _row("planet_inertia", "kg m^2", 0.0, math.inf, "inertia of one planet about its axis; 0 by its share", 0.0),
-    _row(
-        "carrier_inertia",
-        "kg m^2",
-        0.0,
-        math.inf,
-        "inertia of the carrier with its planets' masses; 0 by its share",
-        0.0,
-    ),
-    _row("shaft_stiffness", "N m/rad", 0.0, math.inf, "torsion of the shaft from motor to sun; 0 rigid", usual=0.0),
+    _row("sun_inertia", "kg m^2", 0.0, inf, "inertia of the sun; 0 by its share of the gearbox's", 0.0),
+    _row("planet_inertia", "kg m^2", 0.0, inf, "inertia of one planet about its axis; 0 by its share", 0.0),
+    _row("carrier_inertia", "kg m^2", 0.0, inf, "inertia of the carrier with its planets' masses; 0 by its share", 0.0),
+    _row("shaft_stiffness", "N m/rad", 0.0, inf, "torsion of the shaft from motor to sun; 0 rigid", usual=0.0),
     _row("shaft_damping_ratio", "1", 0.0, 1.0, "damping of that shaft over its critical one", usual=0.05),
     *(_row(f"{key}_mesh_play", "m", 0.0, 1e-2, f"play of the {name} meshes", 0.0) for key, name in _MESHES.items()),
     _row("friction_coefficient", "1", 0.0, 1.0, "sliding friction of the teeth, where it is constant", usual=0.0),
