@@ -44,14 +44,7 @@ PLANETARY_CONSTANTS = (
     _row("roughness", "m", 1e-9, 1e-3, "mean roughness Ra of the flanks", usual=1e-6),
     _row("lubricant_temperature", "K", 200.0, 500.0, "temperature of the lubricant", usual=293.15),
     _row("lubricant_density", "kg/m^3", 100.0, 3000.0, "density of the lubricant at 288 K", usual=869.0),
-    _row(
-        "walther_slope",
-        "1",
-        -10.0,
-        0.0,
-        "slope of the lubricant's viscosity over temperature (Walther)",
-        usual=-1.890758,
-    ),
+    _row("walther_slope", "1", -10.0, 0.0, "slope of the lubricant's viscosity over temperature (Walther)", -1.890758),
     _row("walther_intercept", "1", 0.0, 50.0, "intercept of the same", usual=10.5253),
     *(
         row

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -104,6 +105,15 @@ class Guesses:
     repeats: Mapping[str, str] = field(default_factory=dict)  # not used: copies of these, in words
 
     @property
+    def by_signal(self) -> dict[str, Guess]:
+        """The columns that are taken, by what each is taken for."""
+        return {guess.signal: guess for guess in self.signals}
+
+    def named(self, *signals: str) -> str:
+        """The names of the columns that are taken for these ``signals``, as a list in a sentence."""
+        return ", ".join(guess.column for guess in self.signals if guess.signal in signals)
+
+    @property
     def drives(self) -> bool:
         """Whether the current or the motor's torque is among them, with its sign."""
         return any(guess.signal in MAY_BE_MAGNITUDES and not guess.magnitude for guess in self.signals)
@@ -119,20 +129,10 @@ class Guesses:
             return self
         return replace(self, time=replace(self.time, unit="s"))
 
-    def as_magnitudes(self, signals: Collection[str]) -> Guesses:
-        """The same with these signals read as magnitudes without sign."""
-        read = tuple(replace(guess, magnitude=True) if guess.signal in signals else guess for guess in self.signals)
+    def changed(self, signals: Collection[str], **fields: Any) -> Guesses:
+        """The same with other ``fields`` of the columns that are taken for these ``signals``."""
+        read = tuple(replace(guess, **fields) if guess.signal in signals else guess for guess in self.signals)
         return replace(self, signals=read)
-
-    def with_doubt(self, signal: str, doubt: str) -> Guesses:
-        """The same with something to check about what this signal is."""
-        told = tuple(replace(each, shaft_doubt=doubt) if each.signal == signal else each for each in self.signals)
-        return replace(self, signals=told)
-
-    def with_origin_doubt(self, signal: str, doubt: str) -> Guesses:
-        """The same with the doubt that a signal's column may be of another part of the machine."""
-        told = tuple(replace(each, origin_doubt=doubt) if each.signal == signal else each for each in self.signals)
-        return replace(self, signals=told)
 
     def with_load(self, load: Guess) -> Guesses:
         """The same with a column taken for the load, whatever it was taken for."""
@@ -147,7 +147,7 @@ class Guesses:
     @property
     def both_encoders(self) -> bool:
         """Whether the positions of motor and output are among them."""
-        return {"motor_position", "output_position"} <= {guess.signal for guess in self.signals}
+        return {"motor_position", "output_position"} <= self.by_signal.keys()
 
 
 def guess_columns(

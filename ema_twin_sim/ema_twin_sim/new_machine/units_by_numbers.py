@@ -42,7 +42,7 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
     guesses = with_products_units(guesses, numbers)
     if servo := servo_by_sign_bit(guesses):
         guesses = in_steps_of(servo, guesses, numbers)
-    known = {guess.signal: guess for guess in guesses.signals}
+    known = guesses.by_signal
     position, speed = known.get("motor_position"), known.get("speed")
     time_unit, time_doubt = clock.unit, clock.doubt
     if time_unit is None:
@@ -58,7 +58,7 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
         ways = _ways(numbers[position.column], numbers[speed.column], seconds)
         if servo := servo_of(position, speed, numbers, ways):
             guesses = in_steps_of(servo, guesses, numbers)
-            known = {guess.signal: guess for guess in guesses.signals}
+            known = guesses.by_signal
             position, speed = known["motor_position"], known["speed"]
         if position.unit is None and speed.unit is None and ways is not None and abs(abs(ways) - 1.0) < NEGLIGIBLE:
             position, speed = _alike(position, speed, numbers)
