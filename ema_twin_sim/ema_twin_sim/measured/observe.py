@@ -216,7 +216,6 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
     depended_on = [motion[:, column] for column in (MOTOR_ANGLE, SPEED, LOAD)]
     noise = model.value("sensors.current_noise") or noise_at_points(motion[:, MOTOR_CURRENT], depended_on)
     read = constant * noise if torque.any() else noise_at_points(motion[:, LOAD], depended_on[:2])
-    nowhere = np.zeros(0)
     motor_origin, output_origin = origins_of(recording, model)
     return Observation(
         name=recording.name,
@@ -231,18 +230,10 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
         torque_rate=np.zeros(count),
         acceleration=np.zeros(count),
         acceleration_rest=np.zeros(count),
-        acceleration_noise=0.0,
-        inertia=0.0,
         torque_noise=np.full(count, max(read, LEAST_NOISE * largest)),
         torque_reading=constant * model.value("sensors.current_noise"),
-        torque_step=0.0,
-        coarse=False,
         hit=np.zeros(2 * count),
         after_impact=np.zeros(2 * count, bool),
-        encoder_rows=np.zeros(0, np.int64),
-        encoder=nowhere,
-        encoder_noise=nowhere,
-        encoder_piece=np.zeros(0, np.int64),
     )
 
 
