@@ -3,12 +3,9 @@
 import numpy as np
 import pytest
 
-from ema_bench_replay.load import load
 from ema_bench_replay.traces.header_words import COUNTS
-from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.units_by_numbers import with_units
-from tests.trace_text import write_columns
 
 TIME = np.arange(2000) * 0.01
 SPEED = 2.0 * np.sin(1.9 * TIME) + 0.8 * np.sin(0.4 * TIME)  # rad/s
@@ -50,19 +47,16 @@ def test_other_names_or_another_motion_are_of_no_such_servo(of_another):
 
 
 @pytest.mark.parametrize("size", [1.0, 8.0])
-def test_whole_numbers_without_a_unit_are_asked_about(size, tmp_path, capsys):
+def test_whole_numbers_without_a_unit_are_asked_about(size, drafted):
     """Without a speed nothing tells what a step is; as radians they would be an encoder of six counts, or fewer."""
     steps = size * np.rint(ANGLE * 4096 / (2.0 * np.pi * size))
-    trace = write_columns(tmp_path / "m.csv", {"time [s]": TIME, "position": steps, "current [A]": CURRENT})
-    init(str(tmp_path / "m"), [trace])
-    said = " ".join(capsys.readouterr().err.split())
+    said = drafted({"time [s]": TIME, "position": steps, "current [A]": CURRENT}).warned
     assert f"motor_position goes in steps of {size:g} rad" in said and "counts_per_revolution" in said
 
 
-def test_whole_numbers_with_a_unit_are_not_asked_about(tmp_path, capsys):
+def test_whole_numbers_with_a_unit_are_not_asked_about(drafted):
     columns = {"time [s]": TIME, "position [deg]": np.rint(np.degrees(ANGLE)), "current [A]": CURRENT}
-    init(str(tmp_path / "m"), [write_columns(tmp_path / "m.csv", columns)])
-    assert "counts_per_revolution" not in capsys.readouterr().err
+    assert "counts_per_revolution" not in drafted(columns).warned
 
 
 def test_decimals_are_no_steps():
@@ -71,12 +65,10 @@ def test_decimals_are_no_steps():
     assert found["motor_position"].counts is None and found["speed"].factor == 1.0
 
 
-def test_the_map_of_init_reads_radians_and_amperes(tmp_path, capsys):
-    trace = write_columns(tmp_path / "servo.csv", logged())
-    init(str(tmp_path / "servo"), [trace])
-    said = capsys.readouterr().out
+def test_the_map_of_init_reads_radians_and_amperes(drafted, read):
+    said = drafted(logged()).said
     assert "present_velocity → speed in steps of 0.229 rpm" in said and "DYNAMIXEL X" in said
-    signals = load(trace, import_map=tmp_path / "servo_map.yaml").signals
+    signals = read().signals
     assert np.ptp(signals["motor_position"]) == pytest.approx(np.ptp(ANGLE), abs=2e-3)
     assert signals["speed"] == pytest.approx(SPEED, abs=0.013)
     assert signals["current"] == pytest.approx(CURRENT, abs=1.4e-3)
