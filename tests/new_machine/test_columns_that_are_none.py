@@ -9,7 +9,7 @@ from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.given import Given
 from ema_twin_sim.new_machine.model_draft import ModelDraft
 from ema_twin_sim.new_machine.shaft import Shaft
-from tests.taken_columns import taken
+from tests.taken_columns import guessed, taken
 
 TIME = np.arange(1500) * 2e-3
 ANGLE = 30.0 * (1.0 - np.cos(2.0 * TIME))
@@ -29,23 +29,7 @@ MOTOR = {"time [s]": TIME, "current [A]": CURRENT, "motor position [rad]": ANGLE
 def test_a_power_is_no_position(name):
     """The letter of an axis, as X or S, is a symbol of a position elsewhere."""
     numbers = {"time [s]": TIME, "motor position [rad]": ANGLE, name: 1e-7 * ANGLE}
-    assert name in guess_columns(list(numbers), numbers=numbers).left
-
-
-@pytest.mark.parametrize(
-    ("name", "signal"),
-    [
-        ("power current", "current"),
-        ("w", "speed"),
-        ("motor_w", "speed"),
-        ("power stage temperature", "temperature"),
-        ("motor_temp", "temperature"),
-        ("temp", "temperature"),
-    ],
-)
-def test_what_is_named_with_a_power_may_be_a_signal(name, signal):
-    signals = {guess.column: guess.signal for guess in guess_columns(["time [s]", name]).signals}
-    assert signals == {name: signal}
+    assert name in guessed(numbers).left
 
 
 @pytest.mark.parametrize("times", [1e-7, -1e-7])
@@ -119,7 +103,7 @@ COUNT = np.arange(float(len(TIME)))
 def test_a_column_that_numbers_the_rows_is_no_signal(name, counted):
     """`n` was taken for the speed, and the position was left out since it did not go with it."""
     columns = {"t": TIME, name: counted, "angle": ANGLE, "motor_current": CURRENT}
-    guesses = guess_columns(list(columns), numbers=columns)
+    guesses = guessed(columns)
     assert taken(columns) == {"motor_position": "angle", "current": "motor_current"}
     assert guesses.row_counters == (name,) and name in guesses.left
 
@@ -135,14 +119,14 @@ def test_a_column_that_numbers_the_rows_is_no_signal(name, counted):
 )
 def test_what_may_rise_steadily_is_one_all_the_same(name, values, signal):
     columns = {"t": TIME, name: values, "motor_current": CURRENT}
-    guesses = guess_columns(list(columns), numbers=columns)
+    guesses = guessed(columns)
     assert guesses.row_counters == () and signal in {guess.signal for guess in guesses.signals}
     assert guess_columns(list(columns)).row_counters == ()
 
 
 def test_speeds_set_one_after_another_are_those_of_operating_points():
     columns = {"n": 100.0 * np.arange(1.0, 41.0), "M": 0.1 + 1e-3 * np.arange(40.0)}
-    assert guess_columns(list(columns), numbers=columns).row_counters == ()
+    assert guessed(columns).row_counters == ()
 
 
 def test_init_says_which_column_numbers_the_rows(drafted):

@@ -13,7 +13,6 @@ from ema_bench_replay.traces.trace_table import read_table
 from ema_bench_replay.traces.wrapped_angle import counted_on
 from ema_bench_replay.units import units_of
 from ema_twin_sim.commands.init import run as init
-from ema_twin_sim.new_machine.columns import guess_columns
 
 DEGREES, RPM = 180.0 / np.pi, 30.0 / np.pi
 TIME = np.arange(1500) * 2e-3
@@ -202,20 +201,6 @@ def test_a_torque_in_per_cent_is_told_to_be_none(tmp_path, capsys):
     file.write_text(text("Time [s],Position [rad],Torque [%]\n", (TIME, ANGLE, CURRENT)))
     init(str(tmp_path / "servo"), [file], gear_ratio=10.0)
     assert "Torque [%]: '%' is not a unit of the motor torque; the values are read as N m" in capsys.readouterr().err
-
-
-def test_words_of_other_languages_tell_setpoints_from_what_was_measured():
-    header = (
-        "Tiempo [ms]",
-        "Posición del motor [rad]",
-        "Velocidad [rad/s]",
-        "Consigna de velocidad [rad/s]",
-        "Par [Nm]",
-    )
-    taken = {guess.signal: guess.column for guess in guess_columns(header).signals}
-    assert taken == {
-        "motor_position": header[1], "speed": header[2], "speed_setpoint": header[3], "motor_torque": header[4],
-    }  # fmt: skip
 
 
 @pytest.mark.parametrize(("unit", "read", "size"), [

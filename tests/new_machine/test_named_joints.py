@@ -130,32 +130,6 @@ def test_init_says_which_joint_it_took_and_marks_it(drafted):
     assert f"# CHECK: {said}" in draft.map
 
 
-@pytest.mark.parametrize("name", ["M_sequence_number", "M sequence", "N_samples_lost", "S_message_counter", "m_index"])
-def test_a_letter_beside_words_of_no_quantity_is_no_symbol(name):
-    assert not guess_columns(["time [s]", "current [A]", name]).signals[1:]
-
-
-@pytest.mark.parametrize(
-    ("name", "signal"),
-    [
-        ("M", "motor_torque"),
-        ("M_sequence [Nm]", "motor_torque"),
-        ("M (% of rated)", "motor_torque"),
-        ("M_ist", "motor_torque"),
-        ("M_Welle", "motor_torque"),
-        ("I_rms", "current"),
-        ("n_mot", "speed"),
-        ("q_meas", "motor_position"),
-    ],
-)
-def test_a_letter_alone_or_beside_a_unit_is_one(name, signal):
-    assert [guess.signal for guess in guess_columns(["time [s]", name]).signals] == [signal]
-
-
-def test_the_number_of_something_is_no_current():
-    assert guess_columns(["time [s]", "current program number", "speed [rpm]"]).signals[0].signal == "speed"
-
-
 @pytest.mark.parametrize("lead", [0.0, 0.15])
 def test_a_position_that_only_goes_almost_with_the_speed_is_to_be_checked(lead, drafted):
     """As that of another joint in step; of one joint, the slope of the position is the speed."""

@@ -14,7 +14,6 @@ from ema_bench_replay.load import load
 from ema_twin_sim.measured.consistency import inconsistencies
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.model.matching import matched
-from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.steps import smallest_step
 from tests.command_line import done, refused, twin
 from tests.conftest import RECORDINGS
@@ -128,30 +127,6 @@ def test_without_a_trace_questions_are_asked(tmp_path):
     assert ended.returncode == 0, ended.stderr
     assert load_model(tmp_path / "slide.yaml").motion == "linear"
     assert "unit: mm" in (tmp_path / "slide_map.yaml").read_text()
-
-
-@pytest.mark.parametrize(
-    ("columns", "expected"),
-    [
-        (["time_s", "motorPosition_deg", "q_ref"], {"motor_position": "deg", "output_command": None}),
-        (["t_s", "motor_speed_rad_s", "shaft_torque_N_m"], {"speed": "rad/s", "motor_torque": "N m"}),
-        (["t_s", "motor_speed_rad_per_s"], {"speed": "rad/s"}),
-        (["Zeit [ms]", "Strom [A]", "Drehzahl [1/min]", "Lage [rad]"],
-         {"current": "A", "speed": "rpm", "motor_position": "rad"}),
-        (["X [ms]", "iq set [A]", "iq [A]", "load torque [Nm]", "motor torque [Nm]"],
-         {"current_setpoint": "A", "current": "A", "load_torque": "N m", "motor_torque": "N m"}),
-        (["elapsed time [s]", "i_q [A]", "current limit [A]", "torque setpoint", "torque [Nm]", "speed error"],
-         {"current": "A", "motor_torque": "N m"}),
-        (["Zeit [ms]", "Weg Schlitten [mm]", "Geschwindigkeit [mm/s]", "Antriebskraft [N]", "Winkel"],
-         {"motor_position": "mm", "speed": "mm/s", "motor_torque": "N"}),
-        (["t", "position reference [mm]", "position [mm]", "force [kN]"],
-         {"output_command": "mm", "motor_position": "mm", "motor_torque": "kN"}),
-    ],
-)  # fmt: skip
-def test_columns_are_known_by_their_names(columns, expected):
-    guesses = guess_columns(columns)
-    assert guesses.time is not None
-    assert {guess.signal: guess.unit for guess in guesses.signals} == expected
 
 
 def test_an_answer_with_another_unit_is_refused_and_nothing_is_written(tmp_path):

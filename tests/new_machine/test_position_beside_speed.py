@@ -5,7 +5,6 @@ import pytest
 
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.measured.way_by_speed import without_long_steps
-from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.position_beside_speed import (
     going_with_speed,
     not_summed,
@@ -13,7 +12,7 @@ from ema_twin_sim.new_machine.position_beside_speed import (
     unlike_speed,
 )
 from ema_twin_sim.new_machine.shaft import Shaft, position_shaft
-from tests.taken_columns import taken
+from tests.taken_columns import guessed, taken
 
 TIME = np.arange(2000) * 5e-3
 SPEEDS = {
@@ -90,7 +89,7 @@ def other_axis(size):
 def positions(columns):
     """The position of motor and of output that `init` takes of these, and those of other axes."""
     found = taken(columns)
-    axes = guess_columns(list(columns), numbers=columns).other_axes
+    axes = guessed(columns).other_axes
     return found.get("motor_position"), found.get("output_position"), axes
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.time_unit import time_unit
 from ema_twin_sim.new_machine.units_by_numbers import with_units
+from tests.taken_columns import guessed
 
 PER_SECOND = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 COUNT = np.arange(600)
@@ -49,7 +49,7 @@ def test_where_position_and_speed_agree_they_tell_the_unit(names, unit, period):
     """Also of half milliseconds, and of five samples a second."""
     seconds = COUNT * period
     columns = dict(zip(("time", *names), (seconds * PER_SECOND[unit], *moved(seconds)), strict=True))
-    found = with_units(guess_columns(list(columns), numbers=columns), columns, None)
+    found = with_units(guessed(columns), columns, None)
     assert found.time.unit == unit
     assert {guess.unit for guess in found.signals} == {"rad", "rad/s"}
 

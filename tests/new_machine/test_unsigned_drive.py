@@ -10,9 +10,9 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import KIND, Recording
 from ema_twin_sim.model import load_model
 from ema_twin_sim.model.matching import matched
-from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.unsigned_drive import unsigned_signals
 from ema_twin_sim.simulation.simulate import choose_input
+from tests.taken_columns import guessed
 
 TIME = np.arange(4000) * 2e-3
 SPEEDS = {
@@ -176,7 +176,7 @@ def test_a_supply_current_that_has_a_sign_is_not_the_motors(drafted):
 
 def test_a_motor_current_goes_before_that_of_the_supply():
     numbers = {"t": TIME, "I_mot [A]": np.sin(TIME), "supply current [A]": np.ones_like(TIME)}
-    (guess,) = guess_columns(list(numbers), numbers=numbers).signals
+    (guess,) = guessed(numbers).signals
     assert guess.column == "I_mot [A]" and not guess.magnitude
 
 
