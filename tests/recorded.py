@@ -1,5 +1,7 @@
 """Recordings that tests make: of the virtual bench, and with other signals than it gave."""
 
+import numpy as np
+
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
@@ -13,6 +15,11 @@ def record(model, commands=COMMANDS, seconds=6.0, seed=1):
         virtual_bench(model, parse_command(text), seconds, seed=seed + k, name=f"run{k}")
         for k, text in enumerate(commands)
     ]
+
+
+def sampled(name, time, signals, **more):
+    """A recording of signals (n,) at these times (n,) [s]."""
+    return Recording(name, np.rint(1e9 * np.asarray(time)).astype(np.int64), signals, **more)
 
 
 def with_signals(recording, signals, stamps=None):

@@ -5,10 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from recorded import scaled, with_signals
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import Recording
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.fitting.fit import fit_model
@@ -19,6 +17,7 @@ from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.recorded import sampled, scaled, with_signals
 
 
 def test_a_disturbance_is_no_wrong_unit(stock):
@@ -90,7 +89,7 @@ def turning(name, torque, speed):
     """A motor's torque (n,) at a speed (n,) in one direction."""
     time = np.arange(len(speed)) * 1e-3
     signals = {"motor_torque": torque, "speed": speed, "motor_position": np.cumsum(speed) * 1e-3}
-    return Recording(name, np.rint(time * 1e9).astype(np.int64), signals)
+    return sampled(name, time, signals)
 
 
 def shaken(droop):

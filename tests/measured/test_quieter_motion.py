@@ -13,6 +13,7 @@ from ema_twin_sim.measured.quieter_motion import as_measured
 from ema_twin_sim.model import load_model
 from ema_twin_sim.model.own_units import OwnUnits, recording_in
 from tests.open_motor import open_motor
+from tests.recorded import sampled
 
 PERIOD = 1e-3  # s
 COUNTS = 10_000  # per revolution
@@ -125,10 +126,7 @@ def test_recordings_without_a_position_are_told_in_one_line():
     """It was a line for each of them."""
     time = np.arange(2000) * 1e-3
     signals = {"speed": np.sin(5.0 * time), "current": np.cos(5.0 * time)}
-    runs = [
-        Recording(f"r{k}", np.rint(time * 1e9).astype(np.int64), signals, warnings=(f"r{k}: of its own",))
-        for k in range(35)
-    ]
+    runs = [sampled(f"r{k}", time, signals, warnings=(f"r{k}: of its own",)) for k in range(35)]
     found = as_measured(runs, load_model("laas_motor"))
     told = "r0 and 34 more: has no position; its speed is integrated instead, and angles count from its start"
     assert found[0].warnings == ("r0: of its own", told)

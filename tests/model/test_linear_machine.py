@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import Recording
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.diagnose import diagnose
 from ema_twin_sim.discovery.discover import discover
@@ -19,7 +18,7 @@ from ema_twin_sim.model.matching import matched
 from ema_twin_sim.model.own_units import OwnUnits, model_in, native, recording_in
 from ema_twin_sim.words.sentences import order_sentences
 from tests.command_line import refused
-from tests.recorded import record
+from tests.recorded import record, sampled
 
 MASS, VISCOUS, COULOMB, LOAD = 80.0, 150.0, 18.0, -4.0
 PITCH = 0.024  # m
@@ -39,7 +38,7 @@ def carriage(seconds=12.0, asymmetry=0.0, seed=0, period=1e-3, detent=0.0):
     force = MASS * np.gradient(speed, period) + friction + LOAD + random.normal(0.0, 0.2, len(time))
     force += detent * np.sin(2.0 * np.pi * way / PITCH + 0.5)
     signals = {"motor_position": way - way[0] + random.normal(0.0, 1e-8, len(time)), "motor_torque": force}
-    return Recording(f"run{seed}", np.rint(time * 1e9).astype(np.int64), signals, metadata={"motion": "linear"})
+    return sampled(f"run{seed}", time, signals, metadata={"motion": "linear"})
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,7 @@ from ema_twin_sim.model import load_model
 from ema_twin_sim.new_machine.drive_gains import drive_gains
 from ema_twin_sim.simulation.simulate import has_speed_controller
 from tests.accuracy.strangers.servo import Servo, run
+from tests.recorded import sampled
 
 SIZES = (1e-6, 1e-4, 1e-2)
 
@@ -64,7 +65,7 @@ def test_a_torque_always_at_its_limit_shows_no_gains():
     time = np.arange(2000) * 2e-3
     speed = np.cos(3.0 * time)
     signals = {"current": np.sign(speed) + (speed == 0.0), "speed": speed, "speed_setpoint": 1.1 * speed}
-    recording = Recording("relay", np.rint(time * 1e9).astype(np.int64), signals)
+    recording = sampled("relay", time, signals)
     assert drive_gains(recording, 1.0) is None
 
 

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import KIND, Recording
+from ema_bench_replay.recording import KIND
 from ema_twin_sim.model import load_model
 from ema_twin_sim.model.matching import matched
 from ema_twin_sim.new_machine.unsigned_drive import unsigned_signals
 from ema_twin_sim.simulation.simulate import choose_input
+from tests.recorded import sampled
 from tests.taken_columns import guessed
 
 TIME = np.arange(4000) * 2e-3
@@ -30,7 +31,7 @@ def recorded(speed, drive, signal="current", motion="speed"):
     noise = 0.05 * np.random.default_rng(6).normal(size=len(TIME))
     way = np.cumsum(speed) * 2e-3
     moves = {"speed": speed + noise} if motion == "speed" else {motion: way - way[0]}
-    return Recording("r", np.rint(TIME * 1e9).astype(np.int64), {**moves, signal: drive})
+    return sampled("r", TIME, {**moves, signal: drive})
 
 
 @pytest.mark.parametrize("name", SPEEDS)
@@ -76,7 +77,7 @@ def test_a_machine_at_rest_does_not_tell():
     drive = np.full(len(TIME), 0.5)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        still = Recording("r", np.rint(TIME * 1e9).astype(np.int64), {"speed": np.zeros(len(TIME)), "current": drive})
+        still = sampled("r", TIME, {"speed": np.zeros(len(TIME)), "current": drive})
         assert not unsigned_signals([still])
         drive[::7] = 0.0
         assert not unsigned_signals([still])
@@ -96,7 +97,7 @@ def one_way(way, drive_of, load_torque=0.0, fast=1.0, period=2e-3):
     turned = np.cumsum(speed) * period
     noise = 0.02 * np.random.default_rng(7).normal(size=len(time))
     signals = {"motor_position": 0.02 * np.rint((turned - turned[0]) / 0.02), "current": drive_of(drive) + noise**2}
-    return Recording(f"r{way}", np.rint(time * 1e9).astype(np.int64), signals)
+    return sampled(f"r{way}", time, signals)
 
 
 @pytest.mark.parametrize("rates", [(2e-3, 2e-3), (2e-3, 8e-3)])
@@ -186,7 +187,7 @@ def test_short_moves_with_long_rests_tell_a_magnitude_too():
     at = np.repeat([0.0, 1.0, 0.0, -1.0] * 5, 20)
     position = np.round(1000.0 * at - 300.0 * (np.r_[0.0, np.diff(at)]))
     drive = np.round(30.0 * np.abs(np.r_[0.0, np.diff(at)]) + 6.0 * (at > 0.0) * np.abs(np.r_[np.diff(at), 0.0]))
-    run = Recording("r", np.rint(time * 1e9).astype(np.int64), {"motor_position": position, "current": drive})
+    run = sampled("r", time, {"motor_position": position, "current": drive})
     assert np.median(drive) == 0.0 and drive.min() == 0.0
     assert unsigned_signals([run]) == {"current"}
 
@@ -228,7 +229,7 @@ def test_a_load_over_the_position_leaves_a_noisy_current_its_sign(weight, dry, v
     drive += inertia * np.gradient(speed, time) + noise * np.random.default_rng(8).normal(size=len(time))
     signals = {"motor_position": way, "current": drive}
     assert (drive < 0.0).any()
-    assert not unsigned_signals([Recording("r", np.rint(time * 1e9).astype(np.int64), signals)])
+    assert not unsigned_signals([sampled("r", time, signals)])
 
 
 def test_a_current_that_noise_hides_in_each_sample_shows_its_sign_in_stretches():
