@@ -73,8 +73,7 @@ VARIANTS = {
     "without output": lambda bench: less(bench, "output_position"),
     "speed alone": lambda bench: less(bench, "motor_position", "output_position"),
     "by torque": lambda bench: with_signals(
-        bench,
-        {"motor_torque": 0.4 * bench.signals["current"], **less(bench, "current", "current_setpoint").signals},
+        bench, {"motor_torque": 0.4 * bench.signals["current"], **less(bench, "current", "current_setpoint").signals}
     ),
     "samples missing": gapped,
     "many turns": turned,

@@ -12,10 +12,7 @@ TIME = np.arange(2000) * 5e-3
 
 def recorded(output, stock):
     """A recording of an output angle (n,) [rad] behind the gear of the bench."""
-    signals = {
-        "motor_position": output * stock.value("machine.gear_ratio"),
-        "current": np.ones(len(output)),
-    }
+    signals = {"motor_position": output * stock.value("machine.gear_ratio"), "current": np.ones(len(output))}
     return sampled("run", TIME, signals)
 
 

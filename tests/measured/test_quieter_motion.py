@@ -36,11 +36,7 @@ def swung(rate=3.0, seconds=10.0, gravity=GRAVITY, speed_noise=None, seed=1):
         read = np.diff(position, prepend=position[0] - COUNT) / PERIOD
     else:
         read = speed + speed_noise * random.standard_normal(len(time))
-    signals = {
-        "current": torque + NOISE * random.standard_normal(len(time)),
-        "speed": read,
-        "motor_position": position,
-    }
+    signals = {"current": torque + NOISE * random.standard_normal(len(time)), "speed": read, "motor_position": position}
     return Recording("swung", np.arange(len(time)) * 1_000_000, signals, motor_angle_origin=0.0)
 
 

@@ -35,8 +35,7 @@ ALONE = {
 
 
 @pytest.mark.parametrize(
-    ("name", "signal"),
-    [(name.replace("~", " "), signal) for names, signal in ALONE.items() for name in names.split()],
+    ("name", "signal"), [(name.replace("~", " "), signal) for names, signal in ALONE.items() for name in names.split()]
 )
 def test_a_name_alone(name, signal):
     assert signals("t", name) == ({name: signal} if signal else {})

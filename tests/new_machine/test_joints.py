@@ -101,8 +101,7 @@ def test_a_filtered_copy_of_a_position_is_no_output():
 
 @pytest.mark.parametrize("idle", [np.zeros(len(TIME)), np.full(len(TIME), 0.5)])
 @pytest.mark.parametrize(
-    "names",
-    [("q{} [rad]", "dq{} [rad/s]", "iq{} [A]"), ("pos ({})", "speed ({})", "torque ({})")],
+    "names", [("q{} [rad]", "dq{} [rad/s]", "iq{} [A]"), ("pos ({})", "speed ({})", "torque ({})")]
 )
 def test_a_joint_whose_drive_never_changes_comes_after_those_whose_does(names, idle):
     """Of two coupled actuators the one without a current was taken, and discover refused it."""

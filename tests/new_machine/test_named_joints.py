@@ -75,8 +75,7 @@ def test_joints_almost_in_step_are_no_motor_and_output():
 
 
 @pytest.mark.parametrize(
-    "sides",
-    [("motor", "output"), ("motor", "load"), ("drive", "joint"), ("input", "output"), ("encoder1", "encoder2")],
+    "sides", [("motor", "output"), ("motor", "load"), ("drive", "joint"), ("input", "output"), ("encoder1", "encoder2")]
 )
 def test_sides_of_one_joint_are_no_joints(sides):
     motor = joint(9.0, 1.3)

@@ -24,15 +24,7 @@ from ..simulation.behind_motor import of_encoders_alone
 from .drive_gains import DriveGains, drive_gains
 from .given import Given
 from .load_beside_motor import shown_gear
-from .shaft import (
-    EXACT,
-    SAME_RATIO,
-    Shaft,
-    fastest_motion,
-    is_possible,
-    positions_part,
-    whole_ratio,
-)
+from .shaft import EXACT, SAME_RATIO, Shaft, fastest_motion, is_possible, positions_part, whole_ratio
 from .steps import common_step, is_decimal
 from .torque_constant import TorqueConstant, question_about, told_at_joint, torque_constant
 from .travel_per_turn import (
