@@ -170,7 +170,8 @@ def guess_columns(
     header = [*dict.fromkeys(header)]  # a map finds by name the first of several that have one
     names = without_shared_quantities([header_words(name) for name in header])
     telling = _telling(names, numbers)
-    linear = _is_linear(telling) or (slides and any(_is_length(read) for read in telling))
+    sure = (read for read in telling if not read.in_doubt and read.quantity in ("position", "speed"))
+    linear = _is_linear(telling) or (slides and any(read.linear for read in sure))
     names = [_settled(read, linear, names) for read in names]
     time = time_column(names, numbers)
     assumed = time is not None and is_assumed(time, names, numbers)
@@ -301,11 +302,6 @@ def _is_linear(names: Sequence[HeaderWords]) -> bool:
             return any(told)
     doubted = [read for read in names if read.in_doubt and read.unit == "m"]
     return len(doubted) == 1 and has_word(doubted[0].words, SLIDES)  # several: m is a subscript for the motor
-
-
-def _is_length(read: HeaderWords) -> bool:
-    """Whether a name's unit is beyond doubt one of a slide's position or speed."""
-    return bool(read.linear) and not read.in_doubt and read.quantity in ("position", "speed")
 
 
 def _settled(read: HeaderWords, linear: bool, names: Sequence[HeaderWords]) -> HeaderWords:

@@ -40,7 +40,6 @@ from .never_changing import never_changing
 from .position_beside_speed import not_summed, share_beside_speed, unlike_speed
 from .rows import may_be_points
 from .shaft import Shaft, is_geared, is_possible, position_shaft, shaft_by_travel
-from .sign_words import how_it_is_turned, how_to_turn
 from .signal_columns import is_quadrature
 from .torque_beside_current import not_proportional
 from .two_joints import two_joints
@@ -162,6 +161,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     drives = ", ".join(g.column for g in guesses.signals if g.signal in _DRIVE and not g.magnitude and guesses.drives)
     drive = [guess for guess in guesses.signals if guess.signal in _DRIVE]
     turned_drive = any(guess.turned_round for guess in drive)
+    has_factor = any(guess.factor != 1.0 for guess in drive)  # as that of a servo's step
     if falls_with_load(recordings):
         guesses = guesses.changed(("load_torque",), turned_round=True)
         recordings = read(guesses)
@@ -230,7 +230,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         else:
             assumed.append(
                 f"{drives}: positive drives forwards, which the recordings do not show clearly (otherwise "
-                f"{how_to_turn(drive)} its line of the map)"
+                f"{'change the sign of `factor` in' if has_factor else 'add `factor: -1` to'} its line of the map)"
             )
     asked = (
         *(_no_sign(guess, recordings) for guess in guesses.signals if guess.magnitude),
@@ -240,7 +240,8 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     if turned_drive:
         told = f"{drives}: as recorded, it acts against the motion, so its sign is reversed"
         otherwise = "if the motion has the wrong sign, reverse the position and the speed instead"
-        asked = (f"{told} ({how_it_is_turned(drive)} in the map); {otherwise}", *asked)
+        how = "a negative `factor`" if has_factor else "`factor: -1`"
+        asked = (f"{told} ({how} in the map); {otherwise}", *asked)
     warnings = tuple(warning for recording in recordings for warning in recording.warnings)
     return Drafts(
         draft_map(guesses, of, shaft),

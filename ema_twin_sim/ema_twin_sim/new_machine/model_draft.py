@@ -293,12 +293,13 @@ def _sensor_lines(recordings: Sequence[Recording], ratio: float) -> list[str]:
     turn = 2.0 * math.pi if motion == "rotary" else 1.0
     lines = []
     for side in ("motor", "output"):
-        if not recording.has(f"{side}_position"):
+        name = f"{side}_position"
+        if not recording.has(name):
             continue
-        position = _finite(recording.signals[f"{side}_position"])
+        position = _finite(recording.signals[name])
         geared = ratio if side == "motor" else 1.0
-        step, source = _step_of(f"{side}_position", recordings), SMALLEST_STEP
-        column = _column_of_the_map(recording, f"{side}_position")
+        step, source = common_step([_finite(r.signals[name]) for r in recordings if r.has(name)]), SMALLEST_STEP
+        column = _column_of_the_map(recording, name)
         if counts := column.get("counts_per_revolution"):
             step, source = turn / float(counts) * geared, "counts of the import map"
         elif step is not None and (digit := _last_digit(step / geared, str(column.get("unit")), motion)):
@@ -333,11 +334,6 @@ def _sensor_lines(recordings: Sequence[Recording], ratio: float) -> list[str]:
     if not recording.of_points:
         lines.append(f"  sample_period: {{value: {recording.sample_period:g}, unit: s, tolerance: 0.0}}")
     return lines
-
-
-def _step_of(position: str, recordings: Sequence[Recording]) -> float | None:
-    """The step of a position's counter in all recordings that have it."""
-    return common_step([_finite(each.signals[position]) for each in recordings if each.has(position)])
 
 
 def _column_of_the_map(recording: Recording, signal: str) -> Mapping[str, float | str]:
