@@ -7,7 +7,6 @@ import sys
 
 import numpy as np
 import pytest
-from recorded import with_signals
 
 from ema_bench_replay import long_columns
 from ema_bench_replay.bags.bag_writer import write_bag
@@ -17,16 +16,15 @@ from ema_twin_sim.commands import output
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.measured import order_spectrum
 from ema_twin_sim.model import load_model
-from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
-from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.recorded import benched, with_signals
 
 
 @pytest.fixture(scope="module")
 def bench(stock):
     hidden = stock.with_effect("stribeck_friction", {"torque": 0.08, "speed": 2.0})
     hidden = hidden.with_effect("backlash", {"width": 0.004})
-    return virtual_bench(hidden, parse_command("triangle:0.06:1"), 12.0, name="run", seed=1)
+    return benched(hidden, "triangle:0.06:1", 12.0, name="run", seed=1)
 
 
 @pytest.fixture
@@ -121,7 +119,7 @@ def test_figures_of_pieces_are_those_of_the_whole(variant, source, bench, stock,
 
 def test_a_linear_machine_is_compared_by_pieces_as_whole(by_pieces):
     model = load_model("emps")
-    recording = virtual_bench(model, parse_command("sine:0.05:0.5"), 12.0, name="run", seed=1)
+    recording = benched(model, "sine:0.05:0.5", 12.0, name="run", seed=1)
     worse = model.with_setting("effects.coulomb_friction.torque", 0.5)
     whole = compare([recording], worse).as_json()
     by_pieces()

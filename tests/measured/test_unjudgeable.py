@@ -12,16 +12,10 @@ from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.measured.scales import to_own_units
-from ema_twin_sim.model import load_model
 from ema_twin_sim.model.own_units import OwnUnits, recording_in
 from tests.recorded import sampled
 
 STEP = 5e-6  # rad, of the encoder
-
-
-@pytest.fixture(scope="module")
-def motor():
-    return load_model("laas_motor").with_value("sensors.current_noise", 0.0)
 
 
 def pushed(way):
