@@ -167,8 +167,9 @@ def test_a_log_tells_how_much_of_a_long_recording_was_compared(monkeypatch, caps
         done.within("night", 0.5)
         done("night")
         done.within("day", 0.5)
+        done("day")
     told = capsys.readouterr().err.splitlines()
-    wanted = ("25 % of night", "50 % of night", "1 of 2 done (night)", "50 % of day")
+    wanted = ("25 % of night", "50 % of night", "comparing: 1 of 2 done (night)", "50 % of day")
     assert [words in line for words, line in zip(wanted, told, strict=True)] == [True] * 4
     assert all("left" in line for line in told[:2])  # beyond, once as much time has passed as the first took
 
