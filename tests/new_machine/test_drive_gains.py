@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.recording import Recording
-from ema_twin_sim.model import load_model
 from ema_twin_sim.new_machine.drive_gains import drive_gains
 from ema_twin_sim.simulation.simulate import has_speed_controller
 from tests.accuracy.strangers.servo import Servo, run
@@ -69,7 +68,7 @@ def test_a_torque_always_at_its_limit_shows_no_gains():
     assert drive_gains(recording, 1.0) is None
 
 
-def test_a_setpoint_without_a_controller_is_told_with_lines_to_fill_in(drafted, tmp_path):
+def test_a_setpoint_without_a_controller_is_told_with_lines_to_fill_in(drafted, tmp_path, drawn):
     """The current here knows nothing of the setpoint: the twin is driven by it, and no command can be simulated."""
     time = np.arange(0.0, 6.0, 0.002)
     columns = {
@@ -80,9 +79,9 @@ def test_a_setpoint_without_a_controller_is_told_with_lines_to_fill_in(drafted, 
     assert "speed controller" not in drafted(columns).told
     draft = drafted({**columns, "speed setpoint [rad/s]": 50.0 * np.sin(7.0 * time)})
     assert "No speed controller found: no recording shows that the current follows the speed setpoint" in draft.said
-    assert not has_speed_controller(load_model(tmp_path / "m.yaml"))
+    assert not has_speed_controller(drawn())
     filled = draft.model.replace("…", "0.5")
     for line in ("drive:", "  speed_gain", "  integral_time", "  integral_limit"):
         filled = filled.replace(f"# {line}", line)
     (tmp_path / "m.yaml").write_text(filled)
-    assert has_speed_controller(load_model(tmp_path / "m.yaml"))
+    assert has_speed_controller(drawn())

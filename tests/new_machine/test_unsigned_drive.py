@@ -8,7 +8,6 @@ import pytest
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import KIND
-from ema_twin_sim.model import load_model
 from ema_twin_sim.model.matching import matched
 from ema_twin_sim.new_machine.unsigned_drive import unsigned_signals
 from ema_twin_sim.simulation.simulate import choose_input
@@ -151,20 +150,20 @@ def sines(name, drive):
 
 
 @pytest.mark.parametrize("name", ["current [A]", "supply current [A]", "I_dc [A]", "bus current [A]"])
-def test_init_reads_it_as_a_magnitude_whatever_its_name(tmp_path, drafted, read, name):
+def test_init_reads_it_as_a_magnitude_whatever_its_name(drawn, drafted, read, name):
     draft = drafted(sines(name, np.abs(current(SPEEDS["sines"], 0.0, 0.5))), torque_constant=0.05)
     assert draft.warned.count(f"{name}: never negative, so it looks like a magnitude without sign") == 1
     assert "positive drives forwards" not in draft.said and "ema-twin discover" not in draft.said
     assert f"{name} has no sign, so no twin can be driven: only the health can be judged" in draft.said
     assert "magnitude: true" in draft.map
     assert read().metadata[f"current{KIND}"] == "magnitude"
-    load_model(tmp_path / "m.yaml")
+    drawn()
 
 
-def test_a_twin_is_refused_for_the_missing_sign_and_not_for_a_missing_column(tmp_path, drafted, read):
+def test_a_twin_is_refused_for_the_missing_sign_and_not_for_a_missing_column(drawn, drafted, read):
     """It said to map a column as current, which the map did."""
     drafted(sines("current [A]", np.abs(current(SPEEDS["sines"], 0.0, 0.5))))
-    model = load_model(tmp_path / "m.yaml")
+    model = drawn()
     recording = matched(read(), model)
     with pytest.raises(InputError, match=r"reads current as a magnitude\. .*take `magnitude: true` out") as refused:
         choose_input(recording, model)

@@ -87,7 +87,7 @@ class JointColumn:
 
 
 def one_joint(
-    columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray], wanted: str = ""
+    columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray], wanted: str
 ) -> tuple[Joint, list[HeaderWords]]:
     """Choose one joint; return it with the names of its columns (without its own) and of those of no joint.
 

@@ -13,7 +13,7 @@ from .column_words import BETWEEN_VOLTAGE_AND_CURRENT, REACTIVE_OR_APPARENT
 _SYMBOL = "phi"
 
 
-def phase_angles(names: Sequence[HeaderWords], families: Collection[tuple[str, ...]] = ()) -> tuple[str, ...]:
+def phase_angles(names: Sequence[HeaderWords], families: Collection[tuple[str, ...]]) -> tuple[str, ...]:
     """The names of columns that hold such angles.
 
     They say so, or ``PHI`` stands where another column, such as ``PA1_S_2 [VA]`` beside ``PA1_PHI_2``, has the symbol

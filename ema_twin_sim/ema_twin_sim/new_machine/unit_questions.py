@@ -23,7 +23,7 @@ _WORDS = {"deg": "degrees", "rev": "turns", "rad": "radians"}
 
 
 def questions_about_units(
-    recording: Recording, units: Mapping[str, str | None], foreign: Collection[str] = ()
+    recording: Recording, units: Mapping[str, str | None], foreign: Collection[str]
 ) -> Iterator[str]:
     """Questions about a recording's units, in words; ``units`` are those of its columns (None: not known).
 
