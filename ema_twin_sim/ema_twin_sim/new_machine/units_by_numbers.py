@@ -96,14 +96,14 @@ def _alike(position: Guess, speed: Guess, numbers: Mapping[str, np.ndarray]) -> 
     """
     units, alike = units_of("motor_position"), ("rad", "deg", "rev")
     step = smallest_step(numbers[position.column][np.isfinite(numbers[position.column])])
-    usual = (
-        [] if step is None or is_decimal(step) else [u for u in alike if usual_counts(2.0 * math.pi / units[u] / step)]
+    shown = (
+        {} if step is None or is_decimal(step) else {u: usual_counts(2.0 * math.pi / units[u] / step) for u in alike}
     )
+    usual = [(unit, counts) for unit, counts in shown.items() if counts]
     fastest = float(np.nanmax(np.abs(numbers[speed.column])))
     doubt = "no unit in the header; position and speed would also agree in other units of angle"
     if len(usual) == 1:
-        unit = usual[0]
-        counts = usual_counts(2.0 * math.pi / units[unit] / (step or 1.0)) or 0.0
+        unit, counts = usual[0]
         doubt = (
             f"no unit in the header; with this one, its steps are those of an encoder with {counts:.0f} counts per turn"
         )
