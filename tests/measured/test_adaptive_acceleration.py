@@ -19,11 +19,11 @@ def motor():
     return open_motor(0.05, 0.01, PERIOD).with_value("sensors.speed_noise", NOISE)
 
 
-def of(speed, motor, seed=1):
+def of(speed, motor):
     """(rows, usual acceleration there, adaptive one, noise of the usual one) of a speed (n,) read with noise."""
     signals = {
         "current": np.zeros(len(speed)),
-        "speed": speed + NOISE * np.random.default_rng(seed).standard_normal(len(speed)),
+        "speed": speed + NOISE * np.random.default_rng(1).standard_normal(len(speed)),
         "motor_position": np.cumsum(speed) * PERIOD,
     }
     rows = np.arange(50, len(speed) - 50, 10)

@@ -62,7 +62,7 @@ def test_a_torque_constant_that_is_assumed_or_does_not_count_is_left_in_peace():
     assert told(turning("current", "speed"), 70.0, "assumed") == ()
 
 
-def test_so_is_one_that_is_open(stock):
+def test_so_is_one_that_is_open():
     """A start value says nothing of the machine."""
     model = open_motor(70.0, 0.01, 1e-3)
     known = replace(model.constants[TORQUE_CONSTANT], source="start value", tolerance=math.inf)

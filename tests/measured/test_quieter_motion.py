@@ -22,15 +22,15 @@ INERTIA, VISCOUS, DRY, GRAVITY = 1e-3, 5e-3, 0.05, 0.3
 NOISE = 0.01  # A, at 1 N m/A
 
 
-def swung(rate=3.0, seconds=10.0, gravity=GRAVITY, speed_noise=None, seed=1):
+def swung(rate=3.0, speed_noise=None, seed=1):
     """A motor with a weight swings: position in counts, speed as their difference unless its noise [rad/s] is given."""
     random = np.random.default_rng(seed)
-    time = np.arange(round(seconds / PERIOD)) * PERIOD
+    time = np.arange(10_000) * PERIOD
     fast, slow = 2.0 * math.pi * rate, 2.0 * math.pi * 0.4 * rate
     angle = 1.2 * np.sin(fast * time) + 1.5 * np.sin(slow * time)
     speed = 1.2 * fast * np.cos(fast * time) + 1.5 * slow * np.cos(slow * time)
     acceleration = -1.2 * fast**2 * np.sin(fast * time) - 1.5 * slow**2 * np.sin(slow * time)
-    torque = INERTIA * acceleration + VISCOUS * speed + DRY * np.sign(speed) + gravity * np.sin(angle)
+    torque = INERTIA * acceleration + VISCOUS * speed + DRY * np.sign(speed) + GRAVITY * np.sin(angle)
     position = COUNT * np.round(angle / COUNT)
     if speed_noise is None:
         read = np.diff(position, prepend=position[0] - COUNT) / PERIOD

@@ -16,8 +16,8 @@ def moved(speed, position=None, time=TIME):
     return sampled("run", time, {"speed": speed, "motor_position": position})
 
 
-def a_run(noise=0.2):
-    return 100.0 + 20.0 * np.sin(0.5 * TIME) + noise * NOISE
+def a_run():
+    return 100.0 + 20.0 * np.sin(0.5 * TIME) + 0.2 * NOISE
 
 
 def test_dropouts_of_the_speed_are_unknown_and_told_with_their_times():

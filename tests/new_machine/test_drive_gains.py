@@ -12,14 +12,14 @@ from tests.recorded import sampled
 SIZES = (1e-6, 1e-4, 1e-2)
 
 
-def _recorded(servo, setpoint, period, noise=1e-4):
+def _recorded(servo, setpoint, period):
     true, random = run(servo, setpoint, period, 0.0), np.random.default_rng(2)
     return Recording(
         "run",
         np.arange(len(setpoint), dtype=np.int64) * round(period * 1e9),
         {
-            "current": true.current + random.normal(0.0, noise * servo.top_current, len(setpoint)),
-            "speed": true.speed + random.normal(0.0, noise * servo.top_speed, len(setpoint)),
+            "current": true.current + random.normal(0.0, 1e-4 * servo.top_current, len(setpoint)),
+            "speed": true.speed + random.normal(0.0, 1e-4 * servo.top_speed, len(setpoint)),
             "speed_setpoint": setpoint,
         },
     )

@@ -9,10 +9,10 @@ from tests.trace_text import write_columns
 TIME = np.arange(800) * 0.02
 
 
-def turns(names, *, same_time, spread=1.0):
+def turns(names, *, same_time):
     """Rows of two motors in turn, each with its own angle, at the same times or one after the other."""
     time = np.repeat(TIME, 2) + (0.0 if same_time else np.tile([0.0, 0.007], len(TIME)))
-    angles = [np.sin(2.0 * TIME), spread * (3.0 + np.cos(1.3 * TIME))]
+    angles = [np.sin(2.0 * TIME), 3.0 + np.cos(1.3 * TIME)]
     torques = [np.cos(2.0 * TIME), -np.sin(1.3 * TIME)]
     return {
         "time": np.round(time, 4),

@@ -10,7 +10,6 @@ from ema_twin_sim.new_machine.columns import guess_columns
 from tests.trace_text import write_columns
 
 TIME = np.arange(400) * 2e-3
-ANGLE = 30.0 * (1.0 - np.cos(5.0 * TIME))
 SPEED = 150.0 * np.sin(5.0 * TIME)
 CURRENT = 0.5 * np.sign(SPEED) + 0.2 * np.cos(5.0 * TIME)
 
@@ -72,9 +71,9 @@ def test_of_two_lines_of_names_the_one_with_units_is_the_header(tmp_path, drafte
     assert "轉矩n-m → motor_torque in N m" in told and "轉速rpm → speed in rpm" in told and "VAR →" not in told
 
 
-def walking(rows=1500, step=0.01):
+def walking():
     """Position and speed of a joint that swings and is hit at each stride: then its speed changes much in one row."""
-    time = np.arange(rows) * step
+    time = np.arange(1500) * 0.01
     angle, speed = 0.2 * np.sin(3.0 * time), 0.6 * np.cos(3.0 * time)
     for hit in np.arange(0.35, time[-1], 0.53):
         away = (time - hit) / 0.025

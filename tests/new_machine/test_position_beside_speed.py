@@ -23,9 +23,9 @@ SPEEDS = {
 NOISE = np.random.default_rng(3).normal(size=len(TIME))
 
 
-def recorded(speed, position, origin=0.0):
+def recorded(speed, position):
     signals = {"speed": speed + 0.1 * NOISE, "motor_position": position - position[0]}
-    return sampled("r", TIME, signals, motor_angle_origin=origin + float(position[0]))
+    return sampled("r", TIME, signals, motor_angle_origin=float(position[0]))
 
 
 def way(speed):

@@ -40,9 +40,9 @@ def test_columns_are_known_in_other_peoples_words(language):
         assert {**found, "time": (guesses.time.column, guesses.time.unit)} == truth
 
 
-def _swing(count=4000, period=1e-3):
+def _swing():
     """(time [s], speed [rad/s], angle [rad]) of a motor that swings."""
-    time = np.arange(count) * period
+    time = np.arange(4000) * 1e-3
     return time, 90.0 * np.cos(3.0 * time), 30.0 * np.sin(3.0 * time)
 
 

@@ -10,11 +10,12 @@ GAIN, INTEGRAL_TIME = 0.015, 0.03  # N m s/rad and s, of the drive's speed contr
 CONSTANT = 0.1  # N m/A
 
 
-def sampled(count=4000, period=5e-4, encoder=8192.0 / RATIO):
+def sampled(encoder=8192.0 / RATIO):
     """Torque, speed, its setpoint and position of the motor behind a PI speed controller, with the sensors' noise.
 
     The speed follows its setpoint 5 ms late, and the encoder is on the output: 8192 counts a turn.
     """
+    count, period = 4000, 5e-4
     time, random = np.arange(count) * period, np.random.default_rng(11)
 
     def swung(late):

@@ -78,9 +78,9 @@ BOTH_WAYS = 20.0 * np.sin(3.1 * TIME) + 8.0 * np.sin(7.2 * TIME)
 LOAD = 3.0 * np.sin(0.9 * TIME) + 1.0
 
 
-def driving(load, speed, inertia=0.02):
+def driving(load, speed):
     """The motor's torque that a load, inertia and friction need."""
-    return inertia * np.gradient(speed, TIME) + 0.05 * speed + 0.5 * np.sign(speed) + load
+    return 0.02 * np.gradient(speed, TIME) + 0.05 * speed + 0.5 * np.sign(speed) + load
 
 
 def behind(current, torque, speed):

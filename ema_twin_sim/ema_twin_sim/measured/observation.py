@@ -6,18 +6,15 @@ same Gaussian kernel, so nothing is lost by it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from functools import partial
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..criteria import HARD
 from .row_noise import shaken
 
-_no_places, _no_values = partial(np.zeros, 0, np.int64), partial(np.zeros, 0)
 
-
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False)
 class Observation:
     """One recording as used in a diagnosis: n samples at full rate, m torque rows, k encoder rows.
 
@@ -36,21 +33,18 @@ class Observation:
     torque_rate: np.ndarray  # (m,) its slope, N m/s
     acceleration: np.ndarray  # (m,) rad/s2, smoothed as widely as its noise allows: what an inertia is fitted to
     acceleration_rest: np.ndarray  # (m,) rad/s2, what a kernel as narrow as the torque's has beside it
-    acceleration_noise: float = 0.0  # rad/s2, what the sensor's noise leaves in both together
-    inertia: float = 0.0  # kg m2, of the model, which acts on that rest if nothing lies between motor and output
+    acceleration_noise: float  # rad/s2, what the sensor's noise leaves in both together
+    inertia: float  # kg m2, of the model, which acts on that rest if nothing lies between motor and output
     torque_noise: np.ndarray  # (m,)
     torque_reading: float  # N m, the part of it that its sensors leave, no more than the model says
-    torque_step: float = 0.0  # N m, between adjacent readings of the current
-    coarse: bool = False  # current steps are wide relative to its noise: neighbouring rows round alike
+    torque_step: float  # N m, between adjacent readings of the current
+    coarse: bool  # current steps are wide relative to its noise: neighbouring rows round alike
     hit: np.ndarray  # (n,) rad/s2, largest acceleration shortly before; zero without gearing
     after_impact: np.ndarray  # bool (n,), after an impact: an output with backlash may rest anywhere
-    # int64 (k,), samples at which the encoder difference is judged
-    encoder_rows: np.ndarray = field(default_factory=_no_places)
-    # (k,) rad of the slow shaft: output encoder minus motor counter over ratio, smoothed
-    encoder: np.ndarray = field(default_factory=_no_values)
-    encoder_noise: np.ndarray = field(default_factory=_no_values)  # (k,)
-    # int64 (k,), +1 where the difference jumps: each piece has its own offset
-    encoder_piece: np.ndarray = field(default_factory=_no_places)
+    encoder_rows: np.ndarray  # int64 (k,), samples at which the encoder difference is judged
+    encoder: np.ndarray  # (k,) rad of the slow shaft: output encoder minus motor counter over ratio, smoothed
+    encoder_noise: np.ndarray  # (k,)
+    encoder_piece: np.ndarray  # int64 (k,), +1 where the difference jumps: each piece has its own offset
 
     @property
     def below_shock_limit(self) -> np.ndarray:
@@ -69,8 +63,8 @@ class Observation:
 
     def without_encoders(self) -> Observation:
         """The observation with torque rows only."""
-        rows, values = _no_places(), _no_values()
-        return replace(self, encoder_rows=rows, encoder=values, encoder_noise=values, encoder_piece=rows)
+        rows, none = self.encoder_rows[:0], np.zeros(0)
+        return replace(self, encoder_rows=rows, encoder=none, encoder_noise=none, encoder_piece=rows)
 
     def window(self, first: int, last: int) -> Observation:
         """The samples from ``first`` up to ``last`` (exclusive); times are unchanged."""

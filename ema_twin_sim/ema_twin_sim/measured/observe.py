@@ -231,10 +231,18 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
         torque_rate=np.zeros(count),
         acceleration=np.zeros(count),
         acceleration_rest=np.zeros(count),
+        acceleration_noise=0.0,
+        inertia=0.0,
         torque_noise=np.full(count, max(read, LEAST_NOISE * largest)),
         torque_reading=constant * model.value("sensors.current_noise"),
+        torque_step=0.0,
+        coarse=False,
         hit=np.zeros(2 * count),
         after_impact=np.zeros(2 * count, bool),
+        encoder_rows=np.zeros(0, np.int64),
+        encoder=np.zeros(0),
+        encoder_noise=np.zeros(0),
+        encoder_piece=np.zeros(0, np.int64),
     )
 
 
