@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
+import numpy as np
+
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.twin import Twin
@@ -12,12 +14,19 @@ from ema_twin_sim.simulation.virtual_bench import virtual_bench
 COMMANDS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")
 
 
+def benched(model, command, seconds, **more):
+    """What the virtual bench records of a model under a ``command`` such as ``sine:0.05:2``."""
+    return virtual_bench(model, parse_command(command), seconds, **more)
+
+
 def record(model, commands=COMMANDS, seconds=6.0, seed=1):
     """One recording a command, named run0, run1, …"""
-    return [
-        virtual_bench(model, parse_command(text), seconds, seed=seed + k, name=f"run{k}")
-        for k, text in enumerate(commands)
-    ]
+    return [benched(model, text, seconds, seed=seed + k, name=f"run{k}") for k, text in enumerate(commands)]
+
+
+def sampled(name, time, signals, **more):
+    """A recording of signals (n,) at these times (n,) [s]."""
+    return Recording(name, np.rint(1e9 * np.asarray(time)).astype(np.int64), signals, **more)
 
 
 def with_signals(recording, signals, stamps=None):

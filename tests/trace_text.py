@@ -38,8 +38,9 @@ def refused(path, *words):
         load(path)
 
 
-def write_columns(place, columns):
-    """Write columns, (n,) each, by name."""
-    rows = "\n".join(",".join(f"{value:.12g}" for value in row) for row in zip(*columns.values(), strict=True))
-    place.write_text(",".join(columns) + "\n" + rows + "\n")
+def write_columns(place, columns, mark=",", encoding="utf-8"):
+    """Write columns, (n,) each, of numbers or texts, by name."""
+    rows = zip(*columns.values(), strict=True)
+    cells = ([cell if isinstance(cell, str) else f"{cell:.12g}" for cell in row] for row in rows)
+    place.write_text("\n".join(map(mark.join, (columns, *cells, ""))), encoding)
     return place

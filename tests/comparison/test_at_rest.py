@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from ema_bench_replay.recording import Recording
 from ema_twin_sim.comparison.at_rest import at_rest
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.comparison.where import Stretch
 from ema_twin_sim.words.at_rest import at_rest_sentence
 from tests.open_motor import open_motor
+from tests.recorded import sampled
 
 TIME = np.arange(4000) * 5e-3
 NOISE = 1e-3 * np.random.default_rng(2).normal(size=len(TIME))
@@ -50,7 +50,7 @@ def held(level, inertia=1e-3):
         "speed": turning + NOISE,
         "motor_position": np.concatenate([[0.0], np.cumsum(turning[1:] * np.diff(TIME))]),
     }
-    return Recording("held", np.rint(TIME * 1e9).astype(np.int64), signals)
+    return sampled("held", TIME, signals)
 
 
 @pytest.mark.parametrize(("level", "told"), [(0.25, True), (0.09, False)])

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from recorded import with_signals
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
@@ -19,6 +18,7 @@ from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.compared_signals import UNITS, noise_floors
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.recorded import benched, with_signals
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,7 @@ def test_the_same_on_the_held_out_recordings_of_another_virtual_bench(bench_case
 
 def test_a_drive_that_tells_its_torque_is_told_where_that_fails(stock):
     hidden = stock.with_effect("stribeck_friction", {"torque": 0.08, "speed": 2.0})
-    bench = virtual_bench(hidden, parse_command("sine:0.02:1"), 5.0, name="by torque", seed=1)
+    bench = benched(hidden, "sine:0.02:1", 5.0, name="by torque", seed=1)
     signals = dict(bench.signals)
     signals["motor_torque"] = stock.value("machine.torque_constant") * signals.pop("current")
     del signals["current_setpoint"]
@@ -151,7 +151,7 @@ def test_the_noise_floor_is_what_remains_of_a_right_twin(stock):
     ],
 )
 def test_where_a_model_fails_is_told(stock, effect, parameters, options, command, signal, variable):
-    bench = virtual_bench(stock.with_effect(effect, parameters, options), parse_command(command), 12.0)
+    bench = benched(stock.with_effect(effect, parameters, options), command, 12.0)
     found = [d for d in compare([bench], stock).where if d.signal == signal]
     shares = {d.variable: d.share for d in found}
     assert shares[variable] > 0.3
@@ -203,7 +203,7 @@ def test_an_error_is_largest_only_where_it_is(found, where, end):
 
 
 def test_noise_depends_on_nothing(stock):
-    bench = virtual_bench(stock, parse_command("triangle:0.04:2"), 12.0)
+    bench = benched(stock, "triangle:0.04:2", 12.0)
     for dependence in compare([bench], stock).where:
         if dependence.signal == "current":
             assert dependence.share < 0.05

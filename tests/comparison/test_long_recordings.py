@@ -7,7 +7,6 @@ import sys
 
 import numpy as np
 import pytest
-from recorded import with_signals
 
 from ema_bench_replay import long_columns
 from ema_bench_replay.bags.bag_writer import write_bag
@@ -17,16 +16,15 @@ from ema_twin_sim.commands import output
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.measured import order_spectrum
 from ema_twin_sim.model import load_model
-from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
-from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.recorded import benched, with_signals
 
 
 @pytest.fixture(scope="module")
 def bench(stock):
     hidden = stock.with_effect("stribeck_friction", {"torque": 0.08, "speed": 2.0})
     hidden = hidden.with_effect("backlash", {"width": 0.004})
-    return virtual_bench(hidden, parse_command("triangle:0.06:1"), 12.0, name="run", seed=1)
+    return benched(hidden, "triangle:0.06:1", 12.0, name="run", seed=1)
 
 
 @pytest.fixture
@@ -73,8 +71,7 @@ VARIANTS = {
     "without output": lambda bench: less(bench, "output_position"),
     "speed alone": lambda bench: less(bench, "motor_position", "output_position"),
     "by torque": lambda bench: with_signals(
-        bench,
-        {"motor_torque": 0.4 * bench.signals["current"], **less(bench, "current", "current_setpoint").signals},
+        bench, {"motor_torque": 0.4 * bench.signals["current"], **less(bench, "current", "current_setpoint").signals}
     ),
     "samples missing": gapped,
     "many turns": turned,
@@ -125,7 +122,7 @@ def test_figures_of_pieces_are_those_of_the_whole(variant, source, bench, stock,
 
 def test_a_linear_machine_is_compared_by_pieces_as_whole(by_pieces):
     model = load_model("emps")
-    recording = virtual_bench(model, parse_command("sine:0.05:0.5"), 12.0, name="run", seed=1)
+    recording = benched(model, "sine:0.05:0.5", 12.0, name="run", seed=1)
     worse = model.with_setting("effects.coulomb_friction.torque", 0.5)
     whole = compare([recording], worse).as_json()
     by_pieces()
@@ -173,8 +170,9 @@ def test_a_log_tells_how_much_of_a_long_recording_was_compared(monkeypatch, caps
         done.within("night", 0.5)
         done("night")
         done.within("day", 0.5)
+        done("day")
     told = capsys.readouterr().err.splitlines()
-    wanted = ("25 % of night", "50 % of night", "1 of 2 done (night)", "50 % of day")
+    wanted = ("25 % of night", "50 % of night", "comparing: 1 of 2 done (night)", "50 % of day")
     assert [words in line for words, line in zip(wanted, told, strict=True)] == [True] * 4
     assert all("left" in line for line in told[:2])  # beyond, once as much time has passed as the first took
 

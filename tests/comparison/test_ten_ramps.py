@@ -68,17 +68,6 @@ def test_the_table_has_a_row_a_ramp_and_a_column_a_model(found_on_odd, ramps, tm
     assert times == {"times": pytest.approx(excesses[0] / excesses[1])}
 
 
-def test_a_log_tells_how_far_a_long_comparison_is(ramps, monkeypatch, capsys):
-    from ema_twin_sim.commands import output
-
-    monkeypatch.setattr(output, "_SECONDS_BETWEEN_LOG_LINES", 0.0)
-    with output.counted(3, "comparing") as advance:
-        for name in ("one", "two", "three"):
-            advance(name)
-    told = capsys.readouterr().err
-    assert "comparing: 1 of 3 done (one)" in told and "2 of 3 done" in told and "3 of 3" not in told
-
-
 @pytest.mark.slow
 def test_a_single_recording_is_compared_in_one_table(ramps):
     text = done("compare", ramps[0], *MODEL, "--model", "polito_hf", "--to", 1).stdout

@@ -1,12 +1,11 @@
 """Recordings whose first sample does not tell where in its play the output stands."""
 
 from ema_twin_sim.comparison.compare import compare
-from ema_twin_sim.simulation.command import parse_command
-from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.recorded import benched
 
 
 def warnings_of(model, bench, first):
-    recording = virtual_bench(bench, parse_command("sine:0.05:0.25"), first + 4.5).between(first)
+    recording = benched(bench, "sine:0.05:0.25", first + 4.5).between(first)
     return compare([recording], model).warnings
 
 

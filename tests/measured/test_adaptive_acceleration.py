@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.measured.adaptive_acceleration import adaptive_acceleration
 from ema_twin_sim.measured.observe import observe
 from ema_twin_sim.measured.smoothed_motion import differentiator, smoothed_motion
 from tests.open_motor import open_motor
-from tests.recorded import record
+from tests.recorded import record, sampled
 
 PERIOD, WIDTH, NOISE = 1e-3, 5e-3, 0.05  # s, s, rad/s
 TIME = np.arange(8000) * PERIOD
@@ -20,11 +19,11 @@ def motor():
     return open_motor(0.05, 0.01, PERIOD).with_value("sensors.speed_noise", NOISE)
 
 
-def of(speed, motor, seed=1):
+def of(speed, motor):
     """(rows, usual acceleration there, adaptive one, noise of the usual one) of a speed (n,) read with noise."""
     signals = {
         "current": np.zeros(len(speed)),
-        "speed": speed + NOISE * np.random.default_rng(seed).standard_normal(len(speed)),
+        "speed": speed + NOISE * np.random.default_rng(1).standard_normal(len(speed)),
         "motor_position": np.cumsum(speed) * PERIOD,
     }
     rows = np.arange(50, len(speed) - 50, 10)
@@ -94,7 +93,7 @@ def test_no_wide_kernel_covers_a_gap(motor):
         "speed": speed + NOISE * np.random.default_rng(1).standard_normal(len(time)),
         "motor_position": 30.0 * time - 4.0 * np.cos(1.5 * time),
     }
-    o = observe(Recording("gap", np.rint(time * 1e9).astype(np.int64), signals), motor)
+    o = observe(sampled("gap", time, signals), motor)
     half = len(o.kernel) // 2
     distance = np.where(o.rows < 3000, 3000 - o.rows, o.rows - 3400)
     assert (distance > 0).all()

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from recorded import scaled, with_signals
 
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.comparison.compare import compare
@@ -14,15 +13,14 @@ from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.measured.consistency import inconsistencies, told_once
 from ema_twin_sim.model.matching import matched
 from ema_twin_sim.model.own_units import OwnUnits, model_in, recording_in
-from ema_twin_sim.simulation.command import parse_command
-from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.recorded import benched, scaled, with_signals
 
 DEGREE = math.pi / 180.0
 
 
 @pytest.fixture(scope="module")
 def driven(stock):
-    return virtual_bench(stock, parse_command("sine:0.02:2"), 5.0, name="driven", seed=1)
+    return benched(stock, "sine:0.02:2", 5.0, name="driven", seed=1)
 
 
 def test_signals_that_fit_each_other_are_left_in_peace(driven, stock):
@@ -76,7 +74,7 @@ def test_nothing_is_fitted_to_it(driven, stock):
 def test_an_output_that_hardly_follows_is_no_wrong_count(stock):
     """Within its play the output rests: no factor, and none is named."""
     play = stock.with_effect("backlash", {"width": 0.5})
-    rocking = virtual_bench(play, parse_command("sine:0.001:1"), 5.0, name="rocking", seed=3)
+    rocking = benched(play, "sine:0.001:1", 5.0, name="rocking", seed=3)
     assert not list(inconsistencies(rocking, stock))
 
 
@@ -96,7 +94,7 @@ def test_both_encoders_tell_a_gear_ratio_that_is_another_machines(driven, stock,
 @pytest.mark.parametrize("ratio", [77.5, 100.0, 150.0])
 def test_a_ratio_no_unit_explains_is_told_where_the_shafts_part_by_the_angle_alone(stock, ratio):
     """A factor of 1.6 is no usual mistake, and a spring could make it: but not of an angle that no torque follows."""
-    ramp = virtual_bench(stock, parse_command("ramp:0.1"), 5.0, name="ramp", seed=2)
+    ramp = benched(stock, "ramp:0.1", 5.0, name="ramp", seed=2)
     inertia = replace(stock.constants["machine.motor_inertia"], tolerance=math.inf)
     for unknown in (stock, replace(stock, constants={**stock.constants, "machine.motor_inertia": inertia})):
         wrong = unknown.with_value("machine.gear_ratio", ratio)
@@ -107,7 +105,7 @@ def test_a_shaft_that_winds_up_under_its_load_is_no_wrong_gear_ratio(stock):
     """An output on a spring winds its shaft up by the angle, and the torque goes with it."""
     held = stock.with_effect("spring_load", {"stiffness": 31.0})
     wound = held.with_effect("shaft_compliance", {"stiffness": 1.0, "damping": 0.02})
-    swung = virtual_bench(wound, parse_command("sine:0.02:0.5"), 5.0, name="swung", seed=4, origins=(0.0, 0.0))
+    swung = benched(wound, "sine:0.02:0.5", 5.0, name="swung", seed=4, origins=(0.0, 0.0))
     turned = swung.signals["motor_position"] / held.value("machine.gear_ratio")
     assert 0.7 < np.ptp(swung.signals["output_position"]) / np.ptp(turned) < 0.9
     assert not list(inconsistencies(swung, held))
@@ -116,14 +114,14 @@ def test_a_shaft_that_winds_up_under_its_load_is_no_wrong_gear_ratio(stock):
 def test_an_output_that_swings_on_its_shaft_is_no_wrong_gear_ratio(driven, stock):
     """Near its resonance it goes farther than the motor turns it; on a ramp both go the same way."""
     swung = scaled(driven, output_position=1.6)
-    ramp = virtual_bench(stock, parse_command("ramp:0.1"), 5.0, name="ramp", seed=2)
+    ramp = benched(stock, "ramp:0.1", 5.0, name="ramp", seed=2)
     assert [found.what for found in inconsistencies(swung, stock, [swung, scaled(ramp, output_position=1.6)])]
     assert not list(inconsistencies(swung, stock, [swung, ramp]))
 
 
 def test_an_output_that_rings_goes_as_far_from_end_to_end(driven, stock):
     """A soft shaft's output swings about where the motor takes it: it goes farther way by way, not from end to end."""
-    ramp = virtual_bench(stock, parse_command("ramp:0.1"), 5.0, name="ramp", seed=2)
+    ramp = benched(stock, "ramp:0.1", 5.0, name="ramp", seed=2)
     output = ramp.signals["output_position"]
     ringing = output + 0.05 * np.ptp(output) * np.sin(60.0 * ramp.time)
     rings = replace(ramp, signals={**ramp.signals, "output_position": ringing})
@@ -133,7 +131,7 @@ def test_an_output_that_rings_goes_as_far_from_end_to_end(driven, stock):
 
 
 def test_counts_taken_twice_are_told_beside_another_recording_that_fits(driven, stock):
-    ramp = virtual_bench(stock, parse_command("ramp:0.1"), 5.0, name="ramp", seed=2)
+    ramp = benched(stock, "ramp:0.1", 5.0, name="ramp", seed=2)
     (found,) = inconsistencies(scaled(driven, output_position=2.0), stock, [driven, ramp])
     assert "counted twice" in found.what
 
@@ -154,7 +152,7 @@ def test_a_comparison_judges_a_slow_machine_as_a_discovery_does(stock):
     units = OwnUnits(time=1e-2)  # a hundred times slower than the bench
     bench = stock.with_value("sensors.output_encoder_counts", 65536.0)
     slow = replace(model_in(bench, units), units=None)
-    run = recording_in(virtual_bench(bench, parse_command("sine:0.02:0.5"), 8.0, name="slow", seed=1), units)
+    run = recording_in(benched(bench, "sine:0.02:0.5", 8.0, name="slow", seed=1), units)
     wrong = scaled(run, output_position=4.0)
     with pytest.raises(InputError) as refused:
         discover([wrong], slow)

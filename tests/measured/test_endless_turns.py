@@ -3,20 +3,17 @@
 import numpy as np
 import pytest
 
-from ema_bench_replay.recording import Recording
 from ema_twin_sim.measured.observability import not_shown
 from ema_twin_sim.model.own_units import OwnUnits, model_in
+from tests.recorded import sampled
 
 TIME = np.arange(2000) * 5e-3
 
 
 def recorded(output, stock):
     """A recording of an output angle (n,) [rad] behind the gear of the bench."""
-    signals = {
-        "motor_position": output * stock.value("machine.gear_ratio"),
-        "current": np.ones(len(output)),
-    }
-    return Recording("run", np.rint(TIME * 1e9).astype(np.int64), signals)
+    signals = {"motor_position": output * stock.value("machine.gear_ratio"), "current": np.ones(len(output))}
+    return sampled("run", TIME, signals)
 
 
 FAN = 50.0 * TIME + 3.0 * np.sin(TIME)

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.measured.balance_estimate import estimate_balance
 from ema_twin_sim.measured.held_readings import noise_of_held, noise_of_readings, samples_held
 from ema_twin_sim.measured.scales import rms_torque
 from tests.open_motor import open_motor
+from tests.recorded import sampled
 
 CONSTANT, READING = 0.05, 0.02  # N m/A; A, noise of the current
 INERTIA, VISCOUS, DRY = 5e-4, 4e-4, 0.01
@@ -31,7 +31,7 @@ def counted(counts, period, seed=1):
         "current": torque / CONSTANT + READING * random.standard_normal(len(time)),
         "motor_position": count * np.floor(angle / count),
     }
-    return Recording(f"counted_{seed}", np.round(time * 1e9).astype(np.int64), signals)
+    return sampled(f"counted_{seed}", time, signals)
 
 
 def hall_motor(counts, period):
@@ -67,7 +67,7 @@ def test_a_long_recording_of_a_coarse_counter_is_no_longer_work():
     torque = INERTIA * acceleration + VISCOUS * speed + DRY * np.sign(speed)
     count = 2.0 * math.pi / 42.0
     signals = {"current": torque / CONSTANT, "motor_position": count * np.floor(angle / count)}
-    given = [Recording("long", np.round(time * 1e9).astype(np.int64), signals)]
+    given = [sampled("long", time, signals)]
     found = estimate_balance(given, hall_motor(42.0, 1e-3), rms_torque(given, hall_motor(42.0, 1e-3)))
     assert found is not None and found.inertia < 2.0 * INERTIA
 

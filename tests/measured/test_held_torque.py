@@ -3,16 +3,15 @@
 import numpy as np
 import pytest
 
-from ema_bench_replay.recording import Recording
 from ema_twin_sim.measured.held_torque import samples_repeated, telling_repeats
+from tests.recorded import sampled
 
 TIME = np.arange(4000) * 1e-3
 TORQUE = 2.0 * np.sin(7.0 * TIME) + 0.3 * np.sin(41.0 * TIME)
 
 
 def logged(current):
-    stamps = np.rint(TIME * 1e9).astype(np.int64)
-    return Recording("a", stamps, {"motor_position": np.sin(7.0 * TIME), "current": current})
+    return sampled("a", TIME, {"motor_position": np.sin(7.0 * TIME), "current": current})
 
 
 def read_every(samples):

@@ -12,6 +12,7 @@ from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.measured.consistency import inconsistencies
 from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.model import load_model
+from tests.recorded import sampled
 
 NOISE = 0.02  # N m
 TIME = np.arange(8000) * 1e-3
@@ -32,7 +33,7 @@ def turned(torque, name="turned", seed=4, **more):
         "motor_position": 4.0 * np.sin(5.0 * TIME),
         **more,
     }
-    return Recording(name, np.rint(TIME * 1e9).astype(np.int64), signals)
+    return sampled(name, TIME, signals)
 
 
 def needed(share):

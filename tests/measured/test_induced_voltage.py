@@ -14,8 +14,7 @@ from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.model.matching import BY_TORQUE
 from ema_twin_sim.model.model_file import TORQUE_CONSTANT
 from ema_twin_sim.model.own_units import OwnUnits, model_in, recording_in
-from ema_twin_sim.simulation.command import parse_command
-from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.recorded import benched
 
 TIME = 1e-3 * np.arange(4000)
 SPEED = 250.0 * np.sin(3.0 * TIME)
@@ -63,7 +62,7 @@ def test_a_torque_constant_that_is_assumed_or_does_not_count_is_left_in_peace():
     assert told(turning("current", "speed"), 70.0, "assumed") == ()
 
 
-def test_so_is_one_that_is_open(stock):
+def test_so_is_one_that_is_open():
     """A start value says nothing of the machine."""
     model = open_motor(70.0, 0.01, 1e-3)
     known = replace(model.constants[TORQUE_CONSTANT], source="start value", tolerance=math.inf)
@@ -81,7 +80,7 @@ def test_positions_in_any_order_tell_no_speed():
 
 def test_so_is_a_machine_whose_inertia_is_known(stock):
     """It may be told in any units of time and torque, in which volts say nothing."""
-    fast = virtual_bench(stock, parse_command("sine:0.05:2"), 3.0, name="fast", seed=1)
+    fast = benched(stock, "sine:0.05:2", 3.0, name="fast", seed=1)
     units = OwnUnits()
     own = recording_in(fast, units)
     model = model_in(stock, units)

@@ -5,6 +5,7 @@ import pytest
 
 from ema_bench_replay.recording import POINTS, Recording
 from ema_twin_sim.measured.load_sensor import falls_with_load, follows_load, load_varies, torque_per_current
+from tests.recorded import sampled, with_signals
 
 TIME = np.arange(8000) * 2e-3
 SWINGS = 1.2 * 0.9 * np.cos(0.9 * TIME)
@@ -53,7 +54,7 @@ def test_chance_tells_nothing():
 
 def test_a_sensor_without_a_value_is_no_load():
     run = recorded(SWINGS, friction(SWINGS) + LOAD, LOAD)
-    nothing = Recording("run", run.stamps, {**run.signals, "load_torque": np.full(len(TIME), np.nan)})
+    nothing = with_signals(run, {**run.signals, "load_torque": np.full(len(TIME), np.nan)})
     assert follows_load([nothing]) and not falls_with_load([nothing])
 
 
@@ -124,5 +125,5 @@ def test_the_factor_of_the_current_is_told_by_a_load_that_goes_with_it_alone():
     offset = 0.01 * np.sin(0.3 * time)
     for measured, factor in ((load, 1.9), (offset, None)):
         signals = {"current": current, "speed": speed, "load_torque": measured}
-        told = torque_per_current([Recording("run", np.rint(1e9 * time).astype(np.int64), signals)])
+        told = torque_per_current([sampled("run", time, signals)])
         assert told == (None if factor is None else pytest.approx(factor, rel=0.05))

@@ -6,14 +6,8 @@ import pytest
 from ema_bench_replay.recording import POINTS, Recording
 from ema_twin_sim.measured.observe import observe
 from ema_twin_sim.measured.scales import to_own_units
-from ema_twin_sim.model import load_model
 
 NOISE = 0.003  # N m
-
-
-@pytest.fixture(scope="module")
-def motor():
-    return load_model("laas_motor").with_value("sensors.current_noise", 0.0)
 
 
 def table(order):

@@ -113,10 +113,7 @@ def test_a_twin_of_the_similar_machine_makes_the_similar_motion(stock, runs):
 
 
 def test_in_own_units_a_machine_has_the_reference_size(stock, runs):
-    for recordings, model in (
-        (runs, stock),
-        ([recording_in(run, UNITS) for run in runs], native_of(stock)),
-    ):
+    for recordings, model in ((runs, stock), ([recording_in(run, UNITS) for run in runs], native_of(stock))):
         told, own = to_own_units(recordings, model)
         inertia = sum(own.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
         assert inertia == pytest.approx(reference_bench.INERTIA)

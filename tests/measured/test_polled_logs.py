@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.model import load_model
 from ema_twin_sim.reading_noise import polled_noise
+from tests.recorded import sampled
 
 DRY, VISCOUS, INERTIA, NOISE = 0.35, 0.23, 0.05, 0.03  # N m, N m s/rad, kg m^2, N m
 
@@ -37,7 +37,7 @@ def logged(seed, seconds=70.0):
     speed, acceleration = 0.4 * rate * np.sin(rate * phase), 0.4 * rate**2 * np.cos(rate * phase) * (phase < 5.0)
     torque = INERTIA * acceleration + VISCOUS * speed + DRY * np.tanh(speed / 1e-2)
     signals = {"current": torque + NOISE * random.standard_normal(len(time)), "speed": speed, "motor_position": angle}
-    return Recording(f"joint_{seed}", np.round(time * 1e9).astype(np.int64), signals, motor_angle_origin=0.0)
+    return sampled(f"joint_{seed}", time, signals, motor_angle_origin=0.0)
 
 
 def test_a_slow_uneven_log_is_judged():

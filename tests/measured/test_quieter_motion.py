@@ -13,6 +13,7 @@ from ema_twin_sim.measured.quieter_motion import as_measured
 from ema_twin_sim.model import load_model
 from ema_twin_sim.model.own_units import OwnUnits, recording_in
 from tests.open_motor import open_motor
+from tests.recorded import sampled
 
 PERIOD = 1e-3  # s
 COUNTS = 10_000  # per revolution
@@ -21,25 +22,21 @@ INERTIA, VISCOUS, DRY, GRAVITY = 1e-3, 5e-3, 0.05, 0.3
 NOISE = 0.01  # A, at 1 N m/A
 
 
-def swung(rate=3.0, seconds=10.0, gravity=GRAVITY, speed_noise=None, seed=1):
+def swung(rate=3.0, speed_noise=None, seed=1):
     """A motor with a weight swings: position in counts, speed as their difference unless its noise [rad/s] is given."""
     random = np.random.default_rng(seed)
-    time = np.arange(round(seconds / PERIOD)) * PERIOD
+    time = np.arange(10_000) * PERIOD
     fast, slow = 2.0 * math.pi * rate, 2.0 * math.pi * 0.4 * rate
     angle = 1.2 * np.sin(fast * time) + 1.5 * np.sin(slow * time)
     speed = 1.2 * fast * np.cos(fast * time) + 1.5 * slow * np.cos(slow * time)
     acceleration = -1.2 * fast**2 * np.sin(fast * time) - 1.5 * slow**2 * np.sin(slow * time)
-    torque = INERTIA * acceleration + VISCOUS * speed + DRY * np.sign(speed) + gravity * np.sin(angle)
+    torque = INERTIA * acceleration + VISCOUS * speed + DRY * np.sign(speed) + GRAVITY * np.sin(angle)
     position = COUNT * np.round(angle / COUNT)
     if speed_noise is None:
         read = np.diff(position, prepend=position[0] - COUNT) / PERIOD
     else:
         read = speed + speed_noise * random.standard_normal(len(time))
-    signals = {
-        "current": torque + NOISE * random.standard_normal(len(time)),
-        "speed": read,
-        "motor_position": position,
-    }
+    signals = {"current": torque + NOISE * random.standard_normal(len(time)), "speed": read, "motor_position": position}
     return Recording("swung", np.arange(len(time)) * 1_000_000, signals, motor_angle_origin=0.0)
 
 
@@ -125,10 +122,7 @@ def test_recordings_without_a_position_are_told_in_one_line():
     """It was a line for each of them."""
     time = np.arange(2000) * 1e-3
     signals = {"speed": np.sin(5.0 * time), "current": np.cos(5.0 * time)}
-    runs = [
-        Recording(f"r{k}", np.rint(time * 1e9).astype(np.int64), signals, warnings=(f"r{k}: of its own",))
-        for k in range(35)
-    ]
+    runs = [sampled(f"r{k}", time, signals, warnings=(f"r{k}: of its own",)) for k in range(35)]
     found = as_measured(runs, load_model("laas_motor"))
     told = "r0 and 34 more: has no position; its speed is integrated instead, and angles count from its start"
     assert found[0].warnings == ("r0: of its own", told)

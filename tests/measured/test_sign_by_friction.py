@@ -8,6 +8,7 @@ from ema_twin_sim.measured.drive_regression import sign_of_drive
 from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.measured.sign_by_friction import sign_by_friction
 from ema_twin_sim.model import load_model
+from tests.recorded import sampled
 
 PERIOD = 0.02
 TIME = np.arange(2000) * PERIOD
@@ -34,7 +35,7 @@ def lifted(speed, *, sign=1.0, friction=FRICTION, load=LOAD, slack=0.0):
     torque[: int(slack * len(TIME))] -= 0.3 * LOAD
     torque += 0.2 * FRICTION * random.standard_normal(len(TIME))
     signals = {"motor_torque": sign * torque, "speed": speed, "motor_position": np.cumsum(speed) * PERIOD}
-    return Recording("r", np.rint(TIME * 1e9).astype(np.int64), signals)
+    return sampled("r", TIME, signals)
 
 
 def told(recording, model):

@@ -3,20 +3,21 @@
 import numpy as np
 import pytest
 
-from ema_bench_replay.recording import Recording
 from ema_twin_sim.measured.spoilt_samples import without_spoilt_motion
+from tests.recorded import sampled
 
 TIME = 0.02 * np.arange(1500)
 NOISE = np.random.default_rng(8).standard_normal(len(TIME))
 
 
-def moved(speed):
-    position = np.cumsum(speed) * 0.02
-    return Recording("run", np.rint(1e9 * TIME).astype(np.int64), {"speed": speed, "motor_position": position})
+def moved(speed, position=None, time=TIME):
+    """A recording of a speed (n,) and the way by it, or else this ``position`` (n,)."""
+    position = np.cumsum(speed) * 0.02 if position is None else position
+    return sampled("run", time, {"speed": speed, "motor_position": position})
 
 
-def a_run(noise=0.2):
-    return 100.0 + 20.0 * np.sin(0.5 * TIME) + noise * NOISE
+def a_run():
+    return 100.0 + 20.0 * np.sin(0.5 * TIME) + 0.2 * NOISE
 
 
 def test_dropouts_of_the_speed_are_unknown_and_told_with_their_times():
@@ -24,9 +25,7 @@ def test_dropouts_of_the_speed_are_unknown_and_told_with_their_times():
     position = np.cumsum(speed) * 0.02
     places = [200, 640, 641 + 60]
     speed[places] = 0.0
-    found = without_spoilt_motion(
-        Recording("run", np.rint(1e9 * TIME).astype(np.int64), {"speed": speed, "motor_position": position})
-    )
+    found = without_spoilt_motion(moved(speed, position))
     assert np.flatnonzero(np.isnan(found.signals["speed"])).tolist() == places
     assert np.array_equal(found.signals["motor_position"], position)
     (warning,) = found.warnings
@@ -54,7 +53,7 @@ def test_a_sample_that_was_taken_late_is_kept():
     recording = moved(np.where(TIME < 28.0, 1.0, 300.0) + 0.02 * NOISE)
     position = recording.signals["motor_position"].copy()
     position[1450] += 0.4 * (position[1451] - position[1450])
-    late = Recording("run", recording.stamps, {"speed": recording.signals["speed"], "motor_position": position})
+    late = moved(recording.signals["speed"], position)
     assert without_spoilt_motion(late) is late
 
 
@@ -63,19 +62,19 @@ def test_a_slip_that_the_position_shows_is_kept_however_long_the_machine_rests(r
     speed = np.zeros(1500 + rest)
     speed[5:1500:60] = 5.0
     position = 0.02 * np.cumsum(speed)
-    stamps = np.rint(2e7 * np.arange(len(speed))).astype(np.int64)
+    time = 0.02 * np.arange(len(speed))
     noisy = speed + 0.01 * np.random.default_rng(2).standard_normal(len(speed))
-    shown = Recording("run", stamps, {"speed": noisy, "motor_position": position})
+    shown = moved(noisy, position, time)
     assert without_spoilt_motion(shown) is shown
     if rest:
-        still = Recording("run", stamps, {"speed": noisy, "motor_position": 0.0 * position})
+        still = moved(noisy, 0.0 * position, time)
         assert np.isnan(without_spoilt_motion(still).signals["speed"]).sum() == 25
 
 
 def test_what_happens_often_is_no_error():
     speed = a_run()
     speed[::40] = 0.0
-    alone = Recording("run", np.rint(1e9 * TIME).astype(np.int64), {"speed": speed})
+    alone = sampled("run", TIME, {"speed": speed})
     assert without_spoilt_motion(alone) is alone
 
 

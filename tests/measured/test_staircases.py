@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.measured.row_noise import rounding_noise
-from ema_twin_sim.model import load_model
 from ema_twin_sim.reading_noise import is_staircase, polled_noise
 
 LEVELS = np.array([0.0, 3.0, 0.0, 6.0, 0.0, 9.0, 0.0, 12.0, 0.0])
@@ -32,17 +31,12 @@ READINGS = {
 }
 
 
-@pytest.fixture(scope="module")
-def model():
-    return load_model("laas_motor").with_value("sensors.current_noise", 0.0)
-
-
 @pytest.mark.parametrize("values", STAIRCASES.values(), ids=STAIRCASES)
-def test_a_staircase_has_no_noise_and_its_steps_are_no_rounding(model, values):
+def test_a_staircase_has_no_noise_and_its_steps_are_no_rounding(motor, values):
     """A logged command of 3 to 12 V had a noise as large as the whole signal, which hid what was missing."""
     assert is_staircase(values)
     assert polled_noise(values) == 0.0
-    assert rounding_noise(values, model) == 0.0
+    assert rounding_noise(values, motor) == 0.0
 
 
 @pytest.mark.parametrize("values", READINGS.values(), ids=READINGS)
@@ -55,6 +49,6 @@ def test_a_staircase_that_a_sensor_reads_has_the_sensors_noise():
     assert polled_noise(read) == pytest.approx(0.02, rel=0.1)
 
 
-def test_the_step_of_a_coarse_reading_stays_its_rounding(model):
+def test_the_step_of_a_coarse_reading_stays_its_rounding(motor):
     coarse = READINGS["a flicker now and then"]
-    assert rounding_noise(coarse, model) == pytest.approx(0.01 / np.sqrt(12.0))
+    assert rounding_noise(coarse, motor) == pytest.approx(0.01 / np.sqrt(12.0))

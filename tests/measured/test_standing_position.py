@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import Recording
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
@@ -14,6 +13,7 @@ from ema_twin_sim.measured.quieter_motion import as_measured
 from ema_twin_sim.measured.way_by_speed import standing_position
 from ema_twin_sim.model import load_model
 from tests.command_line import done
+from tests.recorded import sampled
 from tests.trace_text import write_columns
 
 TIME = np.arange(4000) * 2e-3
@@ -25,8 +25,7 @@ def run(position, speed=SPEED, noise=0.05):
     rng = np.random.default_rng(4)
     current = 0.5 * np.sign(speed) + 0.02 * speed + 0.01 * rng.standard_normal(len(TIME))
     signals = {"current": current, "speed": speed + noise * rng.standard_normal(len(TIME)), "motor_position": position}
-    stamps = np.rint(TIME * 1e9).astype(np.int64)
-    return Recording("run", stamps, signals, motor_angle_origin=0.0, output_angle_origin=0.0)
+    return sampled("run", TIME, signals, motor_angle_origin=0.0, output_angle_origin=0.0)
 
 
 STANDING = np.full(len(TIME), math.pi / 2.0)

@@ -8,9 +8,8 @@ from ema_twin_sim.measured.observe import observe
 from ema_twin_sim.measured.switching_ripple import with_switching_ripple
 from ema_twin_sim.model import load_model
 from ema_twin_sim.plant.measured_motion import SPEED
-from ema_twin_sim.simulation.command import parse_command
-from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.fidelities import LONGEST
+from tests.recorded import benched
 
 pytestmark = pytest.mark.timeout(LONGEST)
 
@@ -23,7 +22,7 @@ def switching():
 @pytest.fixture(scope="module")
 def healthy(switching):
     """Slow motion, where the ripple folds down to slow swings over the motor's angle."""
-    return virtual_bench(switching, parse_command("triangle:0.015:2"), 12.0)
+    return benched(switching, "triangle:0.015:2", 12.0)
 
 
 @pytest.mark.slow
@@ -34,7 +33,7 @@ def test_a_healthy_switching_bench_lacks_nothing_beside_its_own_model(healthy, s
 @pytest.mark.slow
 def test_what_a_switching_bench_hides_is_named_beside_its_ripple(switching):
     bench = switching.with_effect("sun_runout", {"torque": 0.03, "phase": 0.5}, {"kind": "conservative"})
-    found = diagnose([virtual_bench(bench, parse_command("triangle:0.015:2"), 12.0)], switching)
+    found = diagnose([benched(bench, "triangle:0.015:2", 12.0)], switching)
     assert found.verdict == "sun_runout"
 
 

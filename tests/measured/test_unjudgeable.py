@@ -12,15 +12,10 @@ from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.measured.scales import to_own_units
-from ema_twin_sim.model import load_model
 from ema_twin_sim.model.own_units import OwnUnits, recording_in
+from tests.recorded import sampled
 
 STEP = 5e-6  # rad, of the encoder
-
-
-@pytest.fixture(scope="module")
-def motor():
-    return load_model("laas_motor").with_value("sensors.current_noise", 0.0)
 
 
 def pushed(way):
@@ -30,7 +25,7 @@ def pushed(way):
         "motor_torque": 0.02 * np.sin(1.2 * time),
         "motor_position": STEP * np.floor(0.5 * way * np.sin(1.2 * time - 0.3) / STEP),
     }
-    return Recording("pushed", np.rint(time * 1e9).astype(np.int64), signals)
+    return sampled("pushed", time, signals)
 
 
 @pytest.mark.parametrize("way", [3.5e-4, 2.0 * STEP])
@@ -55,7 +50,7 @@ def test_a_brief_slide_at_less_than_a_step_a_sample_is_not_said_to_rest(motor):
     turned = 0.2 * np.interp(time, [3.6, 4.0, 4.4], [0.0, 1.0, 0.0])
     signals = {"motor_torque": 0.02 * np.sign(np.gradient(turned)), "motor_position": step * np.floor(turned / step)}
     assert np.mean(np.abs(np.diff(signals["motor_position"]))) < step
-    told = refused([Recording("brief", np.rint(time * 1e9).astype(np.int64), signals)], motor)
+    told = refused([sampled("brief", time, signals)], motor)
     assert "rests" not in told and "of motion faster than" in told
 
 
@@ -76,7 +71,7 @@ def wound(name, torque=3.0):
         "motor_torque": torque * loads + 0.002 * rng.standard_normal(len(time)),
         "motor_position": 1.4e-5 * np.rint(turned / 1.4e-5),
     }
-    return Recording(name, np.rint(time * 1e9).astype(np.int64), signals)
+    return sampled(name, time, signals)
 
 
 def refused(runs, model):
@@ -155,7 +150,7 @@ def stepped(torque, speed, seconds=8.0):
         "speed": turned + noise,
         "motor_position": np.cumsum(turned) * 2e-3,
     }
-    return Recording(f"step {torque:g}", np.rint(time * 1e9).astype(np.int64), signals)
+    return sampled(f"step {torque:g}", time, signals)
 
 
 def test_a_step_test_of_several_levels_is_judged(motor):

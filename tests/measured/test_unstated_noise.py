@@ -10,6 +10,7 @@ from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.measured.unstated_noise import with_noise_of
 from ema_twin_sim.model import load_model
 from tests.command_line import done
+from tests.trace_text import write_columns
 
 NOISE, STEP = 50.0, 1e-4
 RNG = np.random.default_rng(5)
@@ -64,10 +65,9 @@ def test_signals_without_noise_change_nothing(tmp_path):
 @pytest.mark.slow
 def test_compare_prints_no_noise_of_zero(tmp_path):
     run = recorded("current")
-    rows = zip(TIME, *run.signals.values(), strict=True)
-    lines = [",".join(f"{value:.9g}" for value in row) for row in rows]
     names = [f"{name} [{unit}]" for name, unit in zip(run.signals, ("rad", "rad/s", "A"), strict=True)]
-    (tmp_path / "run.csv").write_text("\n".join([",".join(["time [s]", *names]), *lines]) + "\n")
+    columns = dict(zip(names, run.signals.values(), strict=True))
+    write_columns(tmp_path / "run.csv", {"time [s]": TIME, **columns})
     done("init", tmp_path / "run.csv", "-o", tmp_path / "m")
     found = done("compare", tmp_path / "run.csv", "--map", tmp_path / "m_map.yaml", "--model", hoist(tmp_path))
     assert "states no noise of its sensors" in found.stderr and "0 N m" not in found.stdout.replace(".0 N m", "")

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import Recording
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.diagnose import diagnose
 from ema_twin_sim.discovery.discover import discover
@@ -19,19 +18,20 @@ from ema_twin_sim.model.matching import matched
 from ema_twin_sim.model.own_units import OwnUnits, model_in, native, recording_in
 from ema_twin_sim.words.sentences import order_sentences
 from tests.command_line import refused
-from tests.recorded import record
+from tests.recorded import record, sampled
 
 MASS, VISCOUS, COULOMB, LOAD = 80.0, 150.0, 18.0, -4.0
 PITCH = 0.024  # m
 
 
-def carriage(seconds=12.0, asymmetry=0.0, seed=0, period=1e-3, detent=0.0):
+def carriage(asymmetry=0.0, seed=0, detent=0.0):
     """A carriage on rails, driven to and fro: way [m] and force [N] with noise, from its equation of motion.
 
     Magnets hold it with a force that repeats every ``PITCH``, ``detent`` [N] at most.
     """
     random = np.random.default_rng(seed)
-    time = np.arange(round(seconds / period)) * period
+    period = 1e-3
+    time = np.arange(12_000) * period
     way = 0.08 * np.sin(2.0 * np.pi * 0.4 * time) + 0.03 * np.sin(2.0 * np.pi * 1.1 * time + seed)
     speed = np.gradient(way, period)
     sense = np.tanh(speed / 1e-5)
@@ -39,7 +39,7 @@ def carriage(seconds=12.0, asymmetry=0.0, seed=0, period=1e-3, detent=0.0):
     force = MASS * np.gradient(speed, period) + friction + LOAD + random.normal(0.0, 0.2, len(time))
     force += detent * np.sin(2.0 * np.pi * way / PITCH + 0.5)
     signals = {"motor_position": way - way[0] + random.normal(0.0, 1e-8, len(time)), "motor_torque": force}
-    return Recording(f"run{seed}", np.rint(time * 1e9).astype(np.int64), signals, metadata={"motion": "linear"})
+    return sampled(f"run{seed}", time, signals, metadata={"motion": "linear"})
 
 
 @pytest.fixture(scope="module")
@@ -138,7 +138,7 @@ def test_a_model_is_written_with_its_own_words_and_units(emps, tmp_path):
     assert again.constants == emps.constants and again.effects == emps.effects
 
 
-def test_recording_and_model_of_other_motions_are_refused(emps, stock):
+def test_recording_and_model_of_other_motions_are_refused(stock):
     with pytest.raises(InputError, match="is of a linear machine, model polito_bench of a rotary one"):
         compare([carriage()], stock)
 
@@ -160,7 +160,7 @@ def test_a_wrong_machine_is_refused(emps, tmp_path, old, new, said):
     assert said in str(error.value)
 
 
-def test_what_the_virtual_bench_records_of_a_carriage_is_a_carriages(emps, tmp_path):
+def test_what_the_virtual_bench_records_of_a_carriage_is_a_carriages(emps):
     """Its own model leaves nothing of it, and a heavier one is fitted back."""
     runs = record(emps, ("sine:0.05:0.4", "triangle:0.05:1"), 6.0)
     assert all(run.metadata["motion"] == "linear" for run in runs)

@@ -7,6 +7,7 @@ import pytest
 
 from ema_bench_replay.load import load
 from ema_twin_sim.commands.init import run as init
+from ema_twin_sim.model import load_model
 from tests.trace_text import write_columns
 
 
@@ -49,3 +50,9 @@ def drafted(tmp_path, capsys):
 def read(tmp_path):
     """The first recording that was drafted, as its map reads it."""
     return lambda: load(tmp_path / "run0.csv", import_map=tmp_path / "m_map.yaml")
+
+
+@pytest.fixture
+def drawn(tmp_path):
+    """The model that was drafted last."""
+    return lambda: load_model(tmp_path / "m.yaml")

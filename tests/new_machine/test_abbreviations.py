@@ -1,32 +1,12 @@
-"""How loggers abbreviate quantities, with the number or the side of their part; and sensors beside the motor's."""
+"""Sensors beside the motor's: those named as the motor's are taken."""
 
 import numpy as np
 import pytest
 
-from ema_twin_sim.new_machine.columns import guess_columns
 from tests.taken_columns import taken
 
 TIME = np.arange(400) * 2e-3
 SPEED = 2.0 * np.cos(3.0 * TIME)
-
-
-def signals(*header):
-    return {guess.column: guess.signal for guess in guess_columns(header).signals}
-
-
-@pytest.mark.parametrize(
-    ("names", "signal"),
-    [
-        ("CURR CURR_M1 currLeft MotCurr motor_curr AMPS_1 iq i_q iq1 Strm", "current"),
-        ("VEL vel1 spdR SPD_left velLeft", "speed"),
-        ("POS pos1 posR POS_left curr_pos Current_Position cur_pos_1", "motor_position"),
-        ("trq TRQ1 trqLeft tau1 tauR TQ_1 tq_left tor MotorFbTor ActTor tor_fb", "motor_torque"),
-        ("curr_vel CurrentSpeed", "speed"),
-    ],
-)
-def test_abbreviations_are_known(names, signal):
-    for name in names.split():
-        assert signals("t", name) == {name: signal}
 
 
 @pytest.mark.parametrize("other", ["imu velocity [rad/s]", "gyro_z [rad/s]", "angular velocity [rad/s]"])

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.traces.header_words import COUNTS, header_words
-from ema_twin_sim.new_machine.columns import guess_columns
-from tests.taken_columns import taken
+from tests.taken_columns import guessed, taken
 
 MS = np.cumsum(np.where(np.arange(900) % 50 == 7, 106.0, 32.0))
 TICK = (28228.0 + MS) % 32768.0
@@ -16,7 +15,7 @@ POSITION = np.rint(40.0 * np.sin(4e-4 * MS))
 @pytest.mark.parametrize("word", [32768.0, 1e5, 1e9])
 def test_a_clock_of_its_own_beside_the_time_is_no_position(name, word):
     columns = {"Time[ms]": MS, name: (28228.0 + MS) % word, "Present Position": POSITION}
-    guesses = guess_columns(list(columns), numbers=columns)
+    guesses = guessed(columns)
     assert taken(columns) == {"motor_position": "Present Position"}
     assert guesses.time.column == "Time[ms]" and guesses.clock_counters == (name,) and name in guesses.left
 
@@ -24,13 +23,13 @@ def test_a_clock_of_its_own_beside_the_time_is_no_position(name, word):
 def test_a_clock_of_another_rate_that_is_read_a_little_late():
     ticks = np.floor(1234.5 + 0.625 * (MS + np.random.default_rng(3).uniform(0.0, 2.0, len(MS))))
     columns = {"t [ms]": MS, "ticks": ticks, "Present Position": POSITION}
-    assert guess_columns(list(columns), numbers=columns).clock_counters == ("ticks",)
+    assert guessed(columns).clock_counters == ("ticks",)
 
 
 @pytest.mark.parametrize("name", ["motor [counts]", "encoder [counts]", "position [counts]", "Output counts"])
 def test_a_shaft_that_turns_steadily_is_one_all_the_same(name):
     columns = {"Time[ms]": MS, name: TICK, "current [A]": POSITION}
-    guesses = guess_columns(list(columns), numbers=columns)
+    guesses = guessed(columns)
     assert guesses.clock_counters == () and name in taken(columns).values()
 
 

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from ema_twin_sim.new_machine.columns import guess_columns
-from tests.taken_columns import taken
+from tests.taken_columns import guessed, taken
 
 TIME = np.arange(1500) * 2e-3
 ANGLE = 1.2 * np.sin(3.0 * TIME)
@@ -35,7 +34,7 @@ def test_a_command_alone_is_used_said_and_marked(drafted, read, name, signal):
 @pytest.mark.parametrize("command", ["tau_cmd [Nm]", "iq_ref"])
 def test_what_was_measured_goes_before_a_command(measured, signal, command):
     numbers = {"time [s]": TIME, "angle [rad]": ANGLE, command: DRIVE, measured: DRIVE + 0.1}
-    found = {guess.signal: guess for guess in guess_columns(list(numbers), numbers=numbers).signals}
+    found = {guess.signal: guess for guess in guessed(numbers).signals}
     assert found[signal].column == measured
     assert not any(guess.command for guess in found.values())
 
@@ -56,5 +55,5 @@ def test_joints_that_are_commanded_are_told_apart():
     numbers = {"time [s]": TIME}
     for joint, size in ((1, 1.0), (2, 3.0)):
         numbers |= {f"q{joint} [rad]": size * np.sin(joint * TIME), f"tau_cmd{joint} [Nm]": np.cos(joint * TIME)}
-    assert guess_columns(list(numbers), numbers=numbers).joint.name == "2"
+    assert guessed(numbers).joint.name == "2"
     assert taken(numbers) == {"motor_position": "q2 [rad]", "motor_torque": "tau_cmd2 [Nm]"}

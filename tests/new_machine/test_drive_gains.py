@@ -4,22 +4,22 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.recording import Recording
-from ema_twin_sim.model import load_model
 from ema_twin_sim.new_machine.drive_gains import drive_gains
 from ema_twin_sim.simulation.simulate import has_speed_controller
 from tests.accuracy.strangers.servo import Servo, run
+from tests.recorded import sampled
 
 SIZES = (1e-6, 1e-4, 1e-2)
 
 
-def _recorded(servo, setpoint, period, noise=1e-4):
+def _recorded(servo, setpoint, period):
     true, random = run(servo, setpoint, period, 0.0), np.random.default_rng(2)
     return Recording(
         "run",
         np.arange(len(setpoint), dtype=np.int64) * round(period * 1e9),
         {
-            "current": true.current + random.normal(0.0, noise * servo.top_current, len(setpoint)),
-            "speed": true.speed + random.normal(0.0, noise * servo.top_speed, len(setpoint)),
+            "current": true.current + random.normal(0.0, 1e-4 * servo.top_current, len(setpoint)),
+            "speed": true.speed + random.normal(0.0, 1e-4 * servo.top_speed, len(setpoint)),
             "speed_setpoint": setpoint,
         },
     )
@@ -64,11 +64,11 @@ def test_a_torque_always_at_its_limit_shows_no_gains():
     time = np.arange(2000) * 2e-3
     speed = np.cos(3.0 * time)
     signals = {"current": np.sign(speed) + (speed == 0.0), "speed": speed, "speed_setpoint": 1.1 * speed}
-    recording = Recording("relay", np.rint(time * 1e9).astype(np.int64), signals)
+    recording = sampled("relay", time, signals)
     assert drive_gains(recording, 1.0) is None
 
 
-def test_a_setpoint_without_a_controller_is_told_with_lines_to_fill_in(drafted, tmp_path):
+def test_a_setpoint_without_a_controller_is_told_with_lines_to_fill_in(drafted, tmp_path, drawn):
     """The current here knows nothing of the setpoint: the twin is driven by it, and no command can be simulated."""
     time = np.arange(0.0, 6.0, 0.002)
     columns = {
@@ -79,9 +79,9 @@ def test_a_setpoint_without_a_controller_is_told_with_lines_to_fill_in(drafted, 
     assert "speed controller" not in drafted(columns).told
     draft = drafted({**columns, "speed setpoint [rad/s]": 50.0 * np.sin(7.0 * time)})
     assert "No speed controller found: no recording shows that the current follows the speed setpoint" in draft.said
-    assert not has_speed_controller(load_model(tmp_path / "m.yaml"))
+    assert not has_speed_controller(drawn())
     filled = draft.model.replace("…", "0.5")
     for line in ("drive:", "  speed_gain", "  integral_time", "  integral_limit"):
         filled = filled.replace(f"# {line}", line)
     (tmp_path / "m.yaml").write_text(filled)
-    assert has_speed_controller(load_model(tmp_path / "m.yaml"))
+    assert has_speed_controller(drawn())

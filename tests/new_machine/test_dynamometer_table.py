@@ -6,6 +6,9 @@ import pytest
 SPEED = np.linspace(0.0, 5600.0, 60)
 TORQUE = 3.2 * (1.0 - SPEED / 5700.0)
 CURRENT = TORQUE / 0.018 + 1.8 + 2e-4 * SPEED  # for no load, friction
+TIME = np.arange(600) * 2e-3
+DRIVEN = 0.1 * np.sign(np.sin(6.0 * TIME)) + 0.05 * np.cos(6.0 * TIME)
+MOVED = {"speed [rad/s]": 40.0 * np.sin(6.0 * TIME), "Torque (Nm)": DRIVEN, "Current (A)": DRIVEN / 0.018}
 ASKED = "each row is an operating point, where a torque measured at the shaft goes with Current (A) too"
 
 
@@ -22,27 +25,15 @@ def test_it_is_asked_whose_torque_it_is(drafted, name):
     assert f"# CHECK: {ASKED}: is it the motor's, or a dynamometer's?" in draft.map
 
 
-def test_following_that_makes_it_the_load(drafted):
-    draft = drafted(table("load torque (Nm)"))
-    assert "load torque (Nm) → load_torque" in draft.said and "dynamometer" not in draft.said + draft.map
-
-
-@pytest.mark.parametrize("name", ["motor torque (Nm)", "estimated torque (Nm)", "calculated torque [N m]"])
-def test_what_a_name_says_is_not_asked(drafted, name):
-    draft = drafted(table(name))
-    assert "motor_torque" in draft.said and "dynamometer" not in draft.said + draft.map
-
-
-def test_samples_of_a_motion_are_not_asked_about(drafted):
-    time = np.arange(600) * 2e-3
-    speed = 40.0 * np.sin(6.0 * time)
-    torque = 0.1 * np.sign(speed) + 0.05 * np.cos(6.0 * time)
-    columns = {"time [s]": time, "speed [rad/s]": speed, "Torque (Nm)": torque, "Current (A)": torque / 0.018}
+@pytest.mark.parametrize(
+    ("columns", "signal"),
+    [
+        (table("load torque (Nm)"), "load_torque"),  # which follows that
+        *((table(f"{name} torque (Nm)"), "motor_torque") for name in ("motor", "estimated", "calculated")),
+        ({**table("Torque (Nm)"), "Torque (Nm)": 0.018 * CURRENT, "Current (A)": CURRENT}, "motor_torque"),  # computed
+        ({"time [s]": TIME, **MOVED}, "motor_torque"),  # samples of a motion
+    ],
+)
+def test_nothing_is_asked(drafted, columns, signal):
     draft = drafted(columns)
-    assert "Torque (Nm) → motor_torque" in draft.said and "dynamometer" not in draft.said + draft.map
-
-
-def test_what_is_the_current_to_the_last_digit_is_computed(drafted):
-    columns = {"Speed (RPM)": SPEED, "Torque (Nm)": 0.018 * CURRENT, "Current (A)": CURRENT}
-    draft = drafted(columns)
-    assert "Torque (Nm) → motor_torque" in draft.said and "dynamometer" not in draft.said + draft.map
+    assert f"→ {signal}" in draft.said and "dynamometer" not in draft.said + draft.map

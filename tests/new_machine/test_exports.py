@@ -7,13 +7,11 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.load import load
 from ema_bench_replay.traces.header_words import header_words
 from ema_bench_replay.traces.trace_table import read_table
 from ema_bench_replay.traces.wrapped_angle import counted_on
 from ema_bench_replay.units import units_of
 from ema_twin_sim.commands.init import run as init
-from ema_twin_sim.new_machine.columns import guess_columns
 
 DEGREES, RPM = 180.0 / np.pi, 30.0 / np.pi
 TIME = np.arange(1500) * 2e-3
@@ -97,11 +95,10 @@ EXPORTS = {
 
 
 @pytest.mark.parametrize("kind", EXPORTS)
-def test_what_a_program_exports_is_read_without_editing(tmp_path, kind):
-    file = tmp_path / "run.csv"
-    file.write_text(EXPORTS[kind], "utf-8")
-    init(str(tmp_path / "servo"), [file], gear_ratio=10.0, torque_constant=0.1)
-    recording = load(file, import_map=tmp_path / "servo_map.yaml")
+def test_what_a_program_exports_is_read_without_editing(tmp_path, drafted, read, kind):
+    (tmp_path / "run0.csv").write_text(EXPORTS[kind], "utf-8")
+    drafted(tmp_path / "run0.csv", gear_ratio=10.0, torque_constant=0.1)
+    recording = read()
     assert recording.time == pytest.approx(TIME, abs=2e-6)
     resolution = 2.0 * np.pi / 8192
     assert recording.signals["motor_position"] == pytest.approx(ANGLE - ANGLE[0], abs=resolution)
@@ -197,25 +194,9 @@ def test_an_angle_within_a_turn_stays_as_it_is():
     assert counted_on(swing, 360.0) == (pytest.approx(swing), 0)
 
 
-def test_a_torque_in_per_cent_is_told_to_be_none(tmp_path, capsys):
-    file = tmp_path / "run.csv"
-    file.write_text(text("Time [s],Position [rad],Torque [%]\n", (TIME, ANGLE, CURRENT)))
-    init(str(tmp_path / "servo"), [file], gear_ratio=10.0)
-    assert "Torque [%]: '%' is not a unit of the motor torque; the values are read as N m" in capsys.readouterr().err
-
-
-def test_words_of_other_languages_tell_setpoints_from_what_was_measured():
-    header = (
-        "Tiempo [ms]",
-        "Posición del motor [rad]",
-        "Velocidad [rad/s]",
-        "Consigna de velocidad [rad/s]",
-        "Par [Nm]",
-    )
-    taken = {guess.signal: guess.column for guess in guess_columns(header).signals}
-    assert taken == {
-        "motor_position": header[1], "speed": header[2], "speed_setpoint": header[3], "motor_torque": header[4],
-    }  # fmt: skip
+def test_a_torque_in_per_cent_is_told_to_be_none(drafted):
+    warned = drafted({"Time [s]": TIME, "Position [rad]": ANGLE, "Torque [%]": CURRENT}, gear_ratio=10.0).warned
+    assert "Torque [%]: '%' is not a unit of the motor torque; the values are read as N m" in warned
 
 
 @pytest.mark.parametrize(("unit", "read", "size"), [
@@ -229,22 +210,16 @@ def test_torque_in_the_units_of_small_and_hobby_motors(unit, read, size):
     assert units_of("load_torque")[read] == pytest.approx(size)
 
 
-def test_a_unit_that_is_unknown_is_not_none_in_the_map(tmp_path):
-    file = tmp_path / "run.csv"
-    file.write_text(text("Time [s],Position [rad],Torque [dyn cm]\n", (TIME, ANGLE, CURRENT)))
-    init(str(tmp_path / "servo"), [file], gear_ratio=10.0)
-    drawn = (tmp_path / "servo_map.yaml").read_text()
-    assert "'dyn cm' is not a known unit" in drawn and "no unit in the header" not in drawn
+def test_a_unit_that_is_unknown_is_not_none_in_the_map(drafted):
+    drawing = drafted({"Time [s]": TIME, "Position [rad]": ANGLE, "Torque [dyn cm]": CURRENT}, gear_ratio=10.0).map
+    assert "'dyn cm' is not a known unit" in drawing and "no unit in the header" not in drawing
 
 
-def test_topics_with_rows_of_their_own_are_joined_and_said(drafted, tmp_path):
+def test_topics_with_rows_of_their_own_are_joined_and_said(drafted):
     """As PlotJuggler writes: no row holds the motion and the current."""
-    times = np.arange(1500) * 2e-3
-    rows = [(t, f"{t:.6f},,{2.0 * np.sin(3.0 * t):.6f},{6.0 * np.cos(3.0 * t):.6f}") for t in times]
-    rows += [(t, f"{t:.6f},{np.cos(3.0 * t):.6f},,") for t in times + 0.0011]
-    header = "__time,/drive/current,/joint_states/position,/joint_states/velocity\n"
-    file = tmp_path / "plot.csv"
-    file.write_text(header + "\n".join(text for _, text in sorted(rows)) + "\n")
-    draft = drafted(file)
+    rows = [(t, "", 2.0 * np.sin(3.0 * t), 6.0 * np.cos(3.0 * t)) for t in TIME]
+    rows += [(t, np.cos(3.0 * t), "", "") for t in TIME + 0.0011]
+    names = ("__time", "/drive/current", "/joint_states/position", "/joint_states/velocity")
+    draft = drafted(dict(zip(names, zip(*sorted(rows, key=lambda row: row[0]), strict=True), strict=True)))
     assert "/drive/current → current" in draft.said and "/joint_states/position → motor_position" in draft.said
     assert "each row holds the columns of one topic only, so they are joined" in draft.warned

@@ -12,9 +12,9 @@ from ema_bench_replay.load import load
 from ema_twin_sim.commands import add, init, shown_live
 from ema_twin_sim.commands.main import application
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.model import load_model
 from ema_twin_sim.nodes.live_session import WAIT, LiveResult, Session
 from tests.servo_csv import TORQUE_CONSTANT, write_servo
+from tests.trace_text import write_columns
 
 
 @pytest.fixture(scope="module")
@@ -22,67 +22,22 @@ def servo(tmp_path_factory):
     return write_servo(tmp_path_factory.mktemp("servo"))
 
 
-def drafted(files, folder, capsys, **options):
-    """What `init` says of these files, in one line; its drafts are the folder's servo_map.yaml and servo.yaml."""
-    init.run(str(folder / "servo"), list(files), torque_constant=TORQUE_CONSTANT, **options)
-    printed = capsys.readouterr()
-    return re.sub(r"\s+", " ", printed.out + printed.err)
+@pytest.fixture
+def told(drafted):
+    """What `init` says and warns of these files."""
+    return lambda files, **options: drafted(*files, torque_constant=TORQUE_CONSTANT, **options).told
 
 
-def test_a_gear_ratio_that_the_encoders_contradict_is_asked_about_and_refused(servo, tmp_path, capsys):
-    assert "both positions give" not in drafted(servo, tmp_path, capsys, gear_ratio=80.0)
-    told = drafted(servo, tmp_path, capsys, gear_ratio=50.0, force=True)
-    assert "the gear ratio was given as 50, but both positions give 80; leave --gear-ratio out" in told
-    recordings = [load(file, import_map=tmp_path / "servo_map.yaml") for file in servo]
+def test_a_gear_ratio_that_the_encoders_contradict_is_asked_about_and_refused(servo, tmp_path, told, drawn):
+    assert "both positions give" not in told(servo, gear_ratio=80.0)
+    said = told(servo, gear_ratio=50.0)
+    assert "the gear ratio was given as 50, but both positions give 80; leave --gear-ratio out" in said
+    recordings = [load(file, import_map=tmp_path / "m_map.yaml") for file in servo]
     with pytest.raises(InputError, match=r"0\.625 times .* machine\.gear_ratio \(with 80 they fit\)"):
-        discover(recordings, load_model(tmp_path / "servo.yaml"))
+        discover(recordings, drawn())
 
 
-def swapped(files, folder, one, other):
-    """The files with the units of two columns swapped in their headers."""
-    written = []
-    for file in files:
-        header, _, rows = file.read_text().partition("\n")
-        names = [f"{one[0]} [{one[1]}]", f"{other[0]} [{other[1]}]"]
-        wrong = [f"{one[0]} [{other[1]}]", f"{other[0]} [{one[1]}]"]
-        for right, name in zip(names, wrong, strict=True):
-            assert right in header
-            header = header.replace(right, name)
-        written.append(folder / file.name)
-        written[-1].write_text(f"{header}\n{rows}")
-    return written
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("one", "other", "said"),
-    [
-        (
-            ("current", "A"),
-            ("motor speed", "rad/s"),
-            "current [rad/s]: its name says current, its unit rad/s",
-        ),
-        (("motor position", "rad"), ("motor speed", "rad/s"), "motor speed [rad]: its name says speed, its unit rad"),
-    ],
-    ids=["current and speed", "position and speed"],
-)
-def test_a_unit_that_contradicts_its_columns_name_is_told_at_once(servo, tmp_path, capsys, one, other, said):
-    assert "its name says" not in drafted(servo, tmp_path, capsys)
-    told = drafted(swapped(servo, tmp_path, one, other), tmp_path, capsys, force=True)
-    assert told.count("its name says") == 2 and said in told
-
-
-def test_a_trace_whose_end_is_cut_is_drafted_from_and_told_of(servo, tmp_path, capsys):
-    cut = tmp_path / servo[0].name
-    cut.write_bytes(servo[0].read_bytes().rstrip()[:-4])
-    line = len(servo[0].read_text().splitlines())
-    said = f"warning: {cut.name}: line {line}: the last row is cut, so only the rows before it can be used"
-    assert "is cut" not in drafted(servo, tmp_path, capsys)
-    assert drafted([cut], tmp_path, capsys, force=True).count(said) == 1
-    assert drafted([cut], tmp_path, capsys, import_map=str(tmp_path / "servo_map.yaml"), force=True).count(said) == 1
-
-
-def renamed(file, folder, **names):
+def renamed(file, folder, names):
     """The file with other names of some columns in its header."""
     header, _, rows = file.read_text().partition("\n")
     for name, other in names.items():
@@ -93,51 +48,72 @@ def renamed(file, folder, **names):
     return written
 
 
-def test_traces_whose_columns_have_other_names_are_refused_with_a_way_out(servo, tmp_path, capsys):
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("names", "said"),
+    [
+        (
+            {"current [A]": "current [rad/s]", "motor speed [rad/s]": "motor speed [A]"},
+            "current [rad/s]: its name says current, its unit rad/s",
+        ),
+        (
+            {"motor position [rad]": "motor position [rad/s]", "motor speed [rad/s]": "motor speed [rad]"},
+            "motor speed [rad]: its name says speed, its unit rad",
+        ),
+    ],
+    ids=["current and speed", "position and speed"],
+)
+def test_a_unit_that_contradicts_its_columns_name_is_told_at_once(servo, tmp_path, told, names, said):
+    assert "its name says" not in told(servo)
+    swapped = told([renamed(file, tmp_path, names) for file in servo])
+    assert swapped.count("its name says") == 2 and said in swapped
+
+
+def test_a_trace_whose_end_is_cut_is_drafted_from_and_told_of(servo, tmp_path, told):
+    cut = tmp_path / servo[0].name
+    cut.write_bytes(servo[0].read_bytes().rstrip()[:-4])
+    line = len(servo[0].read_text().splitlines())
+    said = f"warning: {cut.name}: line {line}: the last row is cut, so only the rows before it can be used"
+    assert "is cut" not in told(servo)
+    assert told([cut]).count(said) == told([cut], import_map=str(tmp_path / "m_map.yaml")).count(said) == 1
+
+
+@pytest.mark.parametrize(("name", "other"), [("current", "Strom"), ("time", "Zeit")])
+def test_traces_whose_columns_have_other_names_are_refused_with_a_way_out(servo, tmp_path, told, name, other):
     """A map of the first one's columns would read nothing of them, and say nothing."""
-    for names in ({"current": "Strom"}, {"time": "Zeit"}):
-        other = renamed(servo[1], tmp_path, **names)
-        with pytest.raises(InputError, match=rf"'{next(iter(names.values()))} \[.*give both the same names, or"):
-            drafted([servo[0], other], tmp_path, capsys)
+    with pytest.raises(InputError, match=rf"'{other} \[.*give both the same names, or"):
+        told([servo[0], renamed(servo[1], tmp_path, {name: other})])
 
 
-def test_columns_that_only_some_traces_have_are_told(tmp_path, capsys, servo):
+def test_columns_that_only_some_traces_have_are_told(tmp_path, told, servo):
     fewer = write_servo(tmp_path, signals=("motor_position", "output_position", "speed"))
-    told = drafted([servo[0], fewer[1]], tmp_path, capsys)
-    assert "run_1.csv: lacks the column 'current [A]', 'speed setpoint [rad/s]'" in told
-    told = drafted([fewer[0], servo[1]], tmp_path, capsys, force=True)
-    assert f"list {servo[1]} first to use it" in told
+    assert "run_1.csv: lacks the column 'current [A]', 'speed setpoint [rad/s]'" in told([servo[0], fewer[1]])
+    assert f"list {servo[1]} first to use it" in told([fewer[0], servo[1]])
 
 
 @pytest.mark.parametrize(
-    ("header", "lacked"), [("break-away torque [Nm]", "time column"), ("time [s],temperature [degC]", "column")]
+    ("header", "lacked"), [(["break-away torque [Nm]"], "time column"), (["time [s]", "temperature [degC]"], "column")]
 )
-def test_a_trace_of_another_kind_is_refused_in_words_of_both(header, lacked, tmp_path, capsys, servo):
-    other = tmp_path / "other.csv"
-    rows = [",".join(f"{k + place:.3f}" for place in range(header.count(",") + 1)) for k in range(50)]
-    other.write_text("\n".join([header, *rows]) + "\n")
+def test_a_trace_of_another_kind_is_refused_in_words_of_both(header, lacked, tmp_path, told, servo):
+    other = write_columns(tmp_path / "other.csv", {name: np.arange(50.0) + k for k, name in enumerate(header)})
     with pytest.raises(InputError, match=f"other.csv: lacks the {lacked} .*of .*so one map cannot read both; run init"):
-        drafted([servo[0], other], tmp_path, capsys)
+        told([servo[0], other])
 
 
-def test_a_trace_without_a_position_leads_to_no_command_that_refuses_it(tmp_path, capsys):
+def test_a_trace_without_a_position_leads_to_no_command_that_refuses_it(drafted):
     time = np.arange(400) * 1e-3
-    rows = (f"{t:.3f},{np.sin(9.0 * t):.4f},{np.cos(9.0 * t):.4f}" for t in time)
-    (tmp_path / "run.csv").write_text("\n".join(["time [s],current [A],speed setpoint [rad/s]", *rows]) + "\n")
-    init.run(str(tmp_path / "m"), [tmp_path / "run.csv"])
-    told = capsys.readouterr().out
-    assert (
-        "No motor position or speed was found: add its column to" in told and "no line to check, but a signal" in told
-    )
-    assert "ema-twin info" in told and "ema-twin discover" not in told
+    columns = {"time [s]": time, "current [A]": np.sin(9.0 * time), "speed setpoint [rad/s]": np.cos(9.0 * time)}
+    said = drafted(columns).said
+    assert "No motor position or speed was found: add its column to" in said
+    assert "no line to check, but a signal" in said
+    assert "ema-twin info" in said and "ema-twin discover" not in said
 
 
 def test_what_encoders_alone_can_show_is_told_before_the_commands(tmp_path, capsys):
     time = np.arange(4000) * 1e-3
-    rows = (f"{t:.3f},{50.0 * np.sin(3.0 * t):.5f},{np.sin(3.0 * t):.5f}" for t in time)
-    header = "time [s],motor position [rad],output position [rad]"
-    (tmp_path / "run.csv").write_text("\n".join([header, *rows]) + "\n")
-    init.run(str(tmp_path / "m"), [tmp_path / "run.csv"])
+    swing = np.sin(3.0 * time)
+    columns = {"time [s]": time, "motor position [rad]": 50.0 * swing, "output position [rad]": swing}
+    init.run(str(tmp_path / "m"), [write_columns(tmp_path / "run.csv", columns)])
     lines = capsys.readouterr().out.splitlines()
     commands = lines[lines.index("Then:") + 1 :]
     assert len(commands) == 4 and all(line.startswith("  ema-twin ") for line in commands)
@@ -239,6 +215,6 @@ def test_a_speed_in_whole_numbers_is_asked_about(drafted):
     columns = {"time [s]": time, "Servo motor speed": np.round(speed), "torque [N m]": 0.1 * np.sign(speed)}
     said = drafted(columns).told
     assert "speed goes in steps of 1 rad/s, as of whole numbers, and no unit is given; is its column in rpm" in said
+    del columns["Servo motor speed"]
     for name, values in (("Servo motor speed", np.round(speed, 1)), ("Servo motor speed [rad/s]", np.round(speed))):
-        more = {key: column for key, column in columns.items() if not key.startswith("Servo")}
-        assert "whole numbers" not in drafted({**more, name: values}).told
+        assert "whole numbers" not in drafted({**columns, name: values}).told

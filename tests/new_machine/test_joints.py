@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from ema_twin_sim.new_machine.columns import guess_columns
-from tests.taken_columns import taken
+from tests.taken_columns import guessed, taken
 
 TIME = np.arange(3000) * 2e-3
 
@@ -102,20 +101,19 @@ def test_a_filtered_copy_of_a_position_is_no_output():
 
 @pytest.mark.parametrize("idle", [np.zeros(len(TIME)), np.full(len(TIME), 0.5)])
 @pytest.mark.parametrize(
-    "names",
-    [("q{} [rad]", "dq{} [rad/s]", "iq{} [A]"), ("pos ({})", "speed ({})", "torque ({})")],
+    "names", [("q{} [rad]", "dq{} [rad/s]", "iq{} [A]"), ("pos ({})", "speed ({})", "torque ({})")]
 )
 def test_a_joint_whose_drive_never_changes_comes_after_those_whose_does(names, idle):
     """Of two coupled actuators the one without a current was taken, and discover refused it."""
     numbers = robot(names, far=2)
     numbers[names[2].format(2)] = idle
-    guesses = guess_columns(list(numbers), numbers=numbers)
+    guesses = guessed(numbers)
     assert guesses.joint.name != "2"
     assert guesses.joint.undriven == ("2",)
     assert "of those whose current or torque changes (that of 2 never does)" in guesses.joint.sentence
     for joint in (1, 3):
         numbers[names[2].format(joint)] = idle
-    guesses = guess_columns(list(numbers), numbers=numbers)  # no drive changes: the largest motion decides
+    guesses = guessed(numbers)  # no drive changes: the largest motion decides
     assert guesses.joint.name == "2" and guesses.joint.undriven == ()
 
 
@@ -123,7 +121,7 @@ def test_a_torque_that_changes_does_not_stand_for_a_current_that_does_not():
     numbers = robot(("q{} [rad]", "iq{} [A]", "torque {} [Nm]"), far=2)
     numbers["iq2 [A]"] = np.zeros(len(TIME))
     numbers["iq1 [A]"][5] = np.nan
-    assert guess_columns(list(numbers), numbers=numbers).joint.name in ("1", "3")
+    assert guessed(numbers).joint.name in ("1", "3")
 
 
 @pytest.mark.parametrize(("names", "joints"), [(("q{}", "qd{}", "i{}"), 2), (("q{}", "qd{}", "tau{}"), 3)])
@@ -212,7 +210,7 @@ def dynamometer(ratio=1.0):
 def test_what_tells_the_same_drive_again_is_no_joint_beside_it(ratio):
     """A log has each motor twice: the second was said to hang on the first, and was taken without its current."""
     numbers = dynamometer(ratio)
-    joint = guess_columns([*numbers], numbers=numbers).joint
+    joint = guessed(numbers).joint
     assert joint.name == "a1" and joint.same == ("c1",) and joint.moving == ("a2", "c2")
     assert "; c1 tells the same drive again, in other units or at another shaft; a2, c2 move too" in joint.sentence
     assert taken(numbers)["current"] == "a1 q-axis [A]"

@@ -13,9 +13,9 @@ SPEED = np.gradient(ANGLE, TIME)
 LOAD = 25.0 * np.sin(ANGLE + 0.4) + 0.8 * np.gradient(SPEED, TIME)
 
 
-def torques(gear, seed=5):
+def torques(gear):
     """Motor's and sensor's torque of a joint behind that gear."""
-    noise = np.random.default_rng(seed).standard_normal((2, len(TIME)))
+    noise = np.random.default_rng(5).standard_normal((2, len(TIME)))
     motor = LOAD / gear + (2.0 * np.sign(SPEED) + 1.5 * SPEED) / gear + 1e-4 * np.gradient(SPEED, TIME)
     return motor + 0.3 / gear * noise[0], LOAD + 0.05 * noise[1]
 

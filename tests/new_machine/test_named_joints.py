@@ -75,8 +75,7 @@ def test_joints_almost_in_step_are_no_motor_and_output():
 
 
 @pytest.mark.parametrize(
-    "sides",
-    [("motor", "output"), ("motor", "load"), ("drive", "joint"), ("input", "output"), ("encoder1", "encoder2")],
+    "sides", [("motor", "output"), ("motor", "load"), ("drive", "joint"), ("input", "output"), ("encoder1", "encoder2")]
 )
 def test_sides_of_one_joint_are_no_joints(sides):
     motor = joint(9.0, 1.3)
@@ -128,32 +127,6 @@ def test_init_says_which_joint_it_took_and_marks_it(drafted):
     said = "the columns of right, the joint with the largest motion; those of left are not used (to use another joint,"
     assert f"Assumed: {said}" in draft.said and "no line to check" not in draft.said.split("m.yaml")[0]
     assert f"# CHECK: {said}" in draft.map
-
-
-@pytest.mark.parametrize("name", ["M_sequence_number", "M sequence", "N_samples_lost", "S_message_counter", "m_index"])
-def test_a_letter_beside_words_of_no_quantity_is_no_symbol(name):
-    assert not guess_columns(["time [s]", "current [A]", name]).signals[1:]
-
-
-@pytest.mark.parametrize(
-    ("name", "signal"),
-    [
-        ("M", "motor_torque"),
-        ("M_sequence [Nm]", "motor_torque"),
-        ("M (% of rated)", "motor_torque"),
-        ("M_ist", "motor_torque"),
-        ("M_Welle", "motor_torque"),
-        ("I_rms", "current"),
-        ("n_mot", "speed"),
-        ("q_meas", "motor_position"),
-    ],
-)
-def test_a_letter_alone_or_beside_a_unit_is_one(name, signal):
-    assert [guess.signal for guess in guess_columns(["time [s]", name]).signals] == [signal]
-
-
-def test_the_number_of_something_is_no_current():
-    assert guess_columns(["time [s]", "current program number", "speed [rpm]"]).signals[0].signal == "speed"
 
 
 @pytest.mark.parametrize("lead", [0.0, 0.15])

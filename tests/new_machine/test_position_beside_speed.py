@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from ema_bench_replay.recording import Recording
 from ema_twin_sim.measured.way_by_speed import without_long_steps
-from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.position_beside_speed import (
     going_with_speed,
     not_summed,
@@ -13,7 +11,8 @@ from ema_twin_sim.new_machine.position_beside_speed import (
     unlike_speed,
 )
 from ema_twin_sim.new_machine.shaft import Shaft, position_shaft
-from tests.taken_columns import taken
+from tests.recorded import sampled
+from tests.taken_columns import guessed, taken
 
 TIME = np.arange(2000) * 5e-3
 SPEEDS = {
@@ -24,10 +23,9 @@ SPEEDS = {
 NOISE = np.random.default_rng(3).normal(size=len(TIME))
 
 
-def recorded(speed, position, origin=0.0):
+def recorded(speed, position):
     signals = {"speed": speed + 0.1 * NOISE, "motor_position": position - position[0]}
-    stamps = np.rint(TIME * 1e9).astype(np.int64)
-    return Recording("r", stamps, signals, motor_angle_origin=origin + float(position[0]))
+    return sampled("r", TIME, signals, motor_angle_origin=float(position[0]))
 
 
 def way(speed):
@@ -59,8 +57,7 @@ def test_counts_since_the_last_sample_are_told_as_such(name, every):
 def test_a_missing_sample_does_not_hide_that(missing):
     steps = np.diff(way(SPEEDS["both ways"]), prepend=0.0)
     steps[missing] = np.nan
-    stamps = np.rint(TIME * 1e9).astype(np.int64)
-    recording = Recording("r", stamps, {"speed": SPEEDS["both ways"] + 0.1 * NOISE, "motor_position": steps})
+    recording = sampled("r", TIME, {"speed": SPEEDS["both ways"] + 0.1 * NOISE, "motor_position": steps})
     assert "counts since the last sample" in not_summed([recording])
 
 
@@ -90,7 +87,7 @@ def other_axis(size):
 def positions(columns):
     """The position of motor and of output that `init` takes of these, and those of other axes."""
     found = taken(columns)
-    axes = guess_columns(list(columns), numbers=columns).other_axes
+    axes = guessed(columns).other_axes
     return found.get("motor_position"), found.get("output_position"), axes
 
 
@@ -208,8 +205,7 @@ def test_turns_lost_in_pauses_are_no_gear(missing):
     counted[missing] = np.nan
     (left,) = without_long_steps(time, 0.5, counted)
     assert np.nanmax(np.abs(np.diff(left[np.isfinite(left)]))) < 0.5
-    stamps = np.rint(time * 1e9).astype(np.int64)
-    recording = Recording("r", stamps, {"speed": speed, "motor_position": counted})
+    recording = sampled("r", time, {"speed": speed, "motor_position": counted})
     assert position_shaft(recording, None, units_known=True) == Shaft()
     assert share_beside_speed([recording]) < 0.02 and unlike_speed([recording]) == ""
 

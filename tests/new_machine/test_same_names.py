@@ -39,7 +39,7 @@ def test_columns_that_are_alike_or_not_used_may_have_one_name(drafted, tmp_path,
     assert "angle [rad] → motor_position" in draft.said and "ema-twin discover" in draft.said
 
 
-def test_a_torque_beside_the_time_that_has_the_same_letter_is_read(drafted, tmp_path):
+def test_a_torque_beside_the_time_that_has_the_same_letter_is_read(tmp_path):
     """T was read as t, which stands before it."""
     from ema_bench_replay.load import load
 

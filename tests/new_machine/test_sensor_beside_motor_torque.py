@@ -5,6 +5,7 @@ import pytest
 
 from ema_bench_replay.recording import POINTS, Recording
 from ema_twin_sim.new_machine.torque_beside_current import not_filtered
+from tests.recorded import sampled
 
 TIME = np.arange(3000) * 5e-3
 SPEED = 20.0 * np.sin(3.1 * TIME) + 8.0 * np.sin(7.2 * TIME)
@@ -74,7 +75,7 @@ def test_a_transducers_series_or_maker_tells_it_too(mapped, name):
 
 def beside_current(torque, current, **kinds):
     signals = {"current": current, "motor_torque": torque}
-    return not_filtered([Recording("r", np.rint(TIME * 1e9).astype(np.int64), signals, metadata=kinds)])
+    return not_filtered([sampled("r", TIME, signals, metadata=kinds)])
 
 
 def delayed(values, samples):

@@ -14,7 +14,7 @@ from tests.accuracy.strangers.cases import mistaken_cases, stranger_cases
 from tests.accuracy.strangers.judge import answered
 from tests.accuracy.strangers.words import BESIDE, QUANTITY, UNITS, named, spelt, with_unit
 from tests.command_line import done, twin
-from tests.taken_columns import taken
+from tests.taken_columns import guessed, taken
 
 PLACES = ("[]", "()", "/", "tight", "in", ",", "_")
 
@@ -40,24 +40,9 @@ def test_columns_are_known_in_other_peoples_words(language):
         assert {**found, "time": (guesses.time.column, guesses.time.unit)} == truth
 
 
-@pytest.mark.parametrize(
-    ("columns", "expected"),
-    [
-        (["t", "φ̇", "φ", "i_q", "i_d"], {"motor_position": "φ", "speed": "φ̇", "current": "i_q"}),
-        (["t", "q_l", "q_m", "tau"], {"motor_position": "q_m", "output_position": "q_l", "motor_torque": "tau"}),
-        (["t", "x [mm]", "F [N]", "v [mm/s]"],
-         {"motor_position": "x [mm]", "motor_torque": "F [N]", "speed": "v [mm/s]"}),
-        (["t", "angle [deg]", "acceleration [rad/s²]", "I [A]"], {"motor_position": "angle [deg]", "current": "I [A]"}),
-        (["t", "n*", "n", "Strom", "Fehler"], {"speed_setpoint": "n*", "speed": "n", "current": "Strom"}),
-    ],
-)  # fmt: skip
-def test_symbols_are_told_apart(columns, expected):
-    assert {guess.signal: guess.column for guess in guess_columns(columns).signals} == expected
-
-
-def _swing(count=4000, period=1e-3):
+def _swing():
     """(time [s], speed [rad/s], angle [rad]) of a motor that swings."""
-    time = np.arange(count) * period
+    time = np.arange(4000) * 1e-3
     return time, 90.0 * np.cos(3.0 * time), 30.0 * np.sin(3.0 * time)
 
 
@@ -168,8 +153,8 @@ def test_an_angle_that_begins_again_tells_its_unit(turn, unit):
 def test_the_counts_of_a_turn_are_found_by_the_speed(counts):
     time, speed, angle = _swing()
     numbers = {"t [s]": time, "enc [counts]": np.rint(angle * counts / (2.0 * math.pi)), "w [rad/s]": speed}
-    guesses = with_units(guess_columns(list(numbers), numbers=numbers), numbers, None)
-    assert {guess.signal: guess.counts for guess in guesses.signals}["motor_position"] == counts
+    guesses = with_units(guessed(numbers), numbers, None)
+    assert guesses.by_signal["motor_position"].counts == counts
     assert usual_counts(1.001 * counts) == counts and usual_counts(7777.0) is None
 
 

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.commands.init import run as init
-from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.time_unit import time_unit
 from ema_twin_sim.new_machine.units_by_numbers import with_units
+from tests.taken_columns import guessed
 
 PER_SECOND = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 COUNT = np.arange(600)
@@ -18,23 +17,16 @@ def moved(seconds):
     return 30.0 * np.sin(0.3 * seconds), 9.0 * np.cos(0.3 * seconds)
 
 
-def written(place, clock, angle):
-    rows = "".join(f"{t},{q:.6f},{np.cos(q):.4f}\n" for t, q in zip(clock, angle, strict=True))
-    place.write_text(f"timestamp,position [rad],torque [Nm]\n{rows}")
-    return place
-
-
-def drafted(tmp_path, clock, angle):
-    init(str(tmp_path / "m"), [written(tmp_path / "log.csv", clock, angle)], force=True)
-    return next(line for line in (tmp_path / "m_map.yaml").read_text().splitlines() if line.startswith("time:"))
+def written(clock, angle):
+    return {"timestamp": clock, "position [rad]": angle, "torque [Nm]": np.cos(angle)}
 
 
 @pytest.mark.parametrize("date", ["2025-11-09T", "2025-11-09 ", ""])
 @pytest.mark.parametrize("period", [0.101, 0.25, 0.01])
-def test_a_date_and_a_time_of_day_are_in_seconds_and_leave_nothing_to_check(tmp_path, date, period):
+def test_a_date_and_a_time_of_day_are_in_seconds_and_leave_nothing_to_check(drafted, date, period):
     seconds = COUNT * period
     clock = [f"{date}09:{27 + int(t) // 60:02d}:{t % 60:06.3f}" for t in seconds]
-    line = drafted(tmp_path, clock, moved(seconds)[0])
+    line = drafted(written(clock, moved(seconds)[0])).line("time")
     assert "unit: s}" in line and "CHECK" not in line
 
 
@@ -57,17 +49,17 @@ def test_where_position_and_speed_agree_they_tell_the_unit(names, unit, period):
     """Also of half milliseconds, and of five samples a second."""
     seconds = COUNT * period
     columns = dict(zip(("time", *names), (seconds * PER_SECOND[unit], *moved(seconds)), strict=True))
-    found = with_units(guess_columns(list(columns), numbers=columns), columns, None)
+    found = with_units(guessed(columns), columns, None)
     assert found.time.unit == unit
     assert {guess.unit for guess in found.signals} == {"rad", "rad/s"}
 
 
 @pytest.mark.parametrize("period", [0.101, 0.2, 0.5])
-def test_fractions_are_of_seconds_and_it_is_said_that_this_was_assumed(tmp_path, capsys, period):
+def test_fractions_are_of_seconds_and_it_is_said_that_this_was_assumed(drafted, period):
     seconds = COUNT * period
-    line = drafted(tmp_path, [f"{t:.5f}" for t in seconds], moved(seconds)[0])
-    assert "unit: s}" in line and "CHECK" in line
-    assert "timestamp in s: no unit in the header" in " ".join(capsys.readouterr().out.split())
+    draft = drafted(written(np.round(seconds, 5), moved(seconds)[0]))
+    assert "unit: s}" in draft.line("time") and "CHECK" in draft.line("time")
+    assert "timestamp in s: no unit in the header" in draft.said
 
 
 @pytest.mark.parametrize(("step", "unit"), [(1e-3, "s"), (0.1, "s"), (1.0, "ms"), (5.0, "ms"), (1000.0, "us")])
@@ -80,7 +72,6 @@ def test_milliseconds_that_jitter_about_one_are_no_seconds():
 
 
 @pytest.mark.filterwarnings("error")
-def test_a_recording_of_one_row_is_refused_without_a_word_of_its_clock(tmp_path):
-    (tmp_path / "one.csv").write_text("time,position [rad],current [A]\n1720085517763847700,0.5,0.1\n")
+def test_a_recording_of_one_row_is_refused_without_a_word_of_its_clock(drafted):
     with pytest.raises(InputError, match="has one row only"):
-        init(str(tmp_path / "m"), [tmp_path / "one.csv"], force=True)
+        drafted({"time": ["1720085517763847700"], "position [rad]": [0.5], "current [A]": [0.1]})

@@ -5,6 +5,7 @@ import pytest
 
 from ema_bench_replay.recording import POINTS, Recording
 from ema_twin_sim.new_machine.torque_beside_current import counts_against, measured_behind, not_proportional, proportion
+from tests.recorded import sampled
 
 TIME = np.arange(3000) * 5e-3
 SPEED = 200.0 + 150.0 * np.sin(0.8 * TIME)
@@ -32,7 +33,7 @@ OWN = {"motor", "motor, noisy", "motor, turned"}
 def test_a_motors_current_is_its_torque_times_a_factor(kind, size, of_points):
     signals = {"current": CURRENTS[kind], "motor_torque": size * noisy(TORQUE, 0.02)}
     metadata = {POINTS: "yes"} if of_points else {}
-    recording = Recording("r", np.rint(TIME * 1e9).astype(np.int64), signals, metadata=metadata)
+    recording = sampled("r", TIME, signals, metadata=metadata)
     own = kind in OWN and not (of_points and kind == "motor, noisy")  # rows in any order tell no noise
     assert (not_proportional([recording]) is None) == own
 
@@ -75,16 +76,15 @@ def test_a_given_torque_constant_leaves_the_current(drafted):
 
 BOTH_WAYS = 20.0 * np.sin(3.1 * TIME) + 8.0 * np.sin(7.2 * TIME)
 LOAD = 3.0 * np.sin(0.9 * TIME) + 1.0
-STAMPS = np.rint(TIME * 1e9).astype(np.int64)
 
 
-def driving(load, speed, inertia=0.02):
+def driving(load, speed):
     """The motor's torque that a load, inertia and friction need."""
-    return inertia * np.gradient(speed, TIME) + 0.05 * speed + 0.5 * np.sign(speed) + load
+    return 0.02 * np.gradient(speed, TIME) + 0.05 * speed + 0.5 * np.sign(speed) + load
 
 
 def behind(current, torque, speed):
-    return measured_behind([Recording("r", STAMPS, {"current": current, "motor_torque": torque, **speed})])
+    return measured_behind([sampled("r", TIME, {"current": current, "motor_torque": torque, **speed})])
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -130,12 +130,12 @@ def test_operating_points_show_it_by_their_speeds():
 @pytest.mark.parametrize("offset", [0.5, -3.0])
 def test_an_offset_of_the_torque_is_no_other_torque(offset):
     signals = {"current": noisy(TORQUE / 0.03, 0.02), "motor_torque": noisy(TORQUE, 0.02) + offset}
-    assert not_proportional([Recording("r", STAMPS, signals)]) is None
+    assert not_proportional([sampled("r", TIME, signals)]) is None
 
 
 def test_one_that_hardly_changes_tells_nothing():
     signals = {"current": noisy(TORQUE / 0.03, 0.02), "motor_torque": 1.0 + 1e-3 * RANDOM.standard_normal(len(TIME))}
-    assert not_proportional([Recording("r", STAMPS, signals)]) is None
+    assert not_proportional([sampled("r", TIME, signals)]) is None
 
 
 def dynamometer(torque="torque [Nm]", current="current [A]"):
@@ -175,7 +175,7 @@ def test_friction_that_would_push_or_exceed_the_load_is_none():
 
 def against(torque, current):
     signals = {"current": current, "motor_torque": torque, "speed": BOTH_WAYS}
-    return counts_against([Recording("r", STAMPS, signals)])
+    return counts_against([sampled("r", TIME, signals)])
 
 
 def test_a_torque_that_falls_as_the_current_rises_is_a_load_however_much_is_left():

@@ -28,12 +28,12 @@ TURNING = {
 GIVEN = {"torque_constant": CONSTANT, "travel_per_turn": LEAD}
 
 
-def test_the_mass_behind_a_screw_is_found_from_the_motors_torque_constant(drafted, read, tmp_path):
+def test_the_mass_behind_a_screw_is_found_from_the_motors_torque_constant(drafted, read, drawn):
     draft = drafted(SLIDE, **GIVEN)
     assert "Known: torque constant 62.8 N/A (given: 0.05 N m/A of the motor, 5 mm per turn)" in draft.said
     assert "source: 'given: 0.05 N m/A of the motor, 5 mm per turn'" in draft.line("torque_constant")
     assert "CHECK" not in draft.line("torque_constant") and not draft.warned
-    found = discover([read()], load_model(tmp_path / "m.yaml"))
+    found = discover([read()], drawn())
     mass = found.constants["machine"]["inertia"]
     assert abs(mass["value"] - MASS) < 3.0 * mass["std"] and mass["unit"] == "kg"
     assert not any("torque constant" in told for told in found.warnings)
@@ -48,9 +48,9 @@ def test_without_the_way_per_turn_a_torque_constant_is_asked_about(drafted):
     assert "the motor would do next to no work: it would induce 10.0 mV" in draft.warned
 
 
-def test_a_search_warns_of_a_force_per_ampere_that_no_motor_has(drafted, read, tmp_path):
+def test_a_search_warns_of_a_force_per_ampere_that_no_motor_has(drafted, read, drawn):
     drafted(SLIDE, torque_constant=CONSTANT)
-    warnings = discover([read()], load_model(tmp_path / "m.yaml")).warnings
+    warnings = discover([read()], drawn()).warnings
     assert any("torque constant of your model, 50.0 mN/A, is only assumed" in told for told in warnings)
 
 

@@ -7,7 +7,6 @@ from ema_bench_replay.recording import Recording
 from ema_twin_sim.measured.consistency import inconsistencies
 from ema_twin_sim.measured.ratio_of_positions import ratio_of_positions
 from ema_twin_sim.measured.scales import to_own_units
-from ema_twin_sim.model import load_model
 
 TIME = np.arange(2000) * 2e-3
 ANGLE = 30.0 * (1.0 - np.cos(2.0 * TIME))
@@ -25,12 +24,12 @@ def geared(output, column, command=(), current=CURRENT):
 @pytest.mark.parametrize("way", [1.0, -1.0])
 @pytest.mark.parametrize(("column", "size"), [("output position [rad]", 1.0), ("output position [deg]", 360.0 / TURN)])
 @pytest.mark.parametrize("gear_ratio", [None, 4.0])
-def test_an_output_that_turns_against_the_motor_is_turned_round(tmp_path, drafted, read, way, column, size, gear_ratio):
+def test_an_output_that_turns_against_the_motor_is_turned_round(drawn, drafted, read, way, column, size, gear_ratio):
     """It was only said, beside 'no line to check', and discover refused what init had written."""
     draft = drafted(geared(way * size * ANGLE / 4.0, column), gear_ratio=gear_ratio)
     assert ("factor: -1}  # sign reversed: the output turns against the motor" in draft.map) == (way < 0.0)
     assert (f"{column} turned round" in draft.said) == (way < 0.0)
-    recording, model = read(), load_model(tmp_path / "m.yaml")
+    recording, model = read(), drawn()
     assert model.value("machine.gear_ratio") == pytest.approx(4.0, rel=1e-3)
     assert recording.signals["output_position"][-1] == pytest.approx(ANGLE[-1] / 4.0, rel=1e-6)
     assert not [*inconsistencies(recording, model)]
@@ -71,12 +70,12 @@ def test_a_motion_that_comes_back_after_a_tenth_of_the_recording_tells_the_ratio
     ],
     ids=["as recorded", "turned", "undecided"],
 )
-def test_the_sign_of_the_current_is_found_or_assumed(tmp_path, drafted, read, current, told, factor):
+def test_the_sign_of_the_current_is_found_or_assumed(drawn, drafted, read, current, told, factor):
     """Nothing was said of it, and discover refused a map that init had just written."""
     draft = drafted(geared(ANGLE / 4.0, "output position [rad]", current=current))
     assert told in draft.told
     assert read().signals["current"][100:200] == pytest.approx(factor * current[100:200], abs=1e-6)
-    (own,), model = to_own_units([read()], load_model(tmp_path / "m.yaml"))
+    (own,), model = to_own_units([read()], drawn())
     assert not [*inconsistencies(own, model)]
 
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import KIND, Recording
-from ema_twin_sim.model import load_model
+from ema_bench_replay.recording import KIND
 from ema_twin_sim.model.matching import matched
-from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.new_machine.unsigned_drive import unsigned_signals
 from ema_twin_sim.simulation.simulate import choose_input
+from tests.recorded import sampled
+from tests.taken_columns import guessed
 
 TIME = np.arange(4000) * 2e-3
 SPEEDS = {
@@ -30,7 +30,7 @@ def recorded(speed, drive, signal="current", motion="speed"):
     noise = 0.05 * np.random.default_rng(6).normal(size=len(TIME))
     way = np.cumsum(speed) * 2e-3
     moves = {"speed": speed + noise} if motion == "speed" else {motion: way - way[0]}
-    return Recording("r", np.rint(TIME * 1e9).astype(np.int64), {**moves, signal: drive})
+    return sampled("r", TIME, {**moves, signal: drive})
 
 
 @pytest.mark.parametrize("name", SPEEDS)
@@ -76,7 +76,7 @@ def test_a_machine_at_rest_does_not_tell():
     drive = np.full(len(TIME), 0.5)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        still = Recording("r", np.rint(TIME * 1e9).astype(np.int64), {"speed": np.zeros(len(TIME)), "current": drive})
+        still = sampled("r", TIME, {"speed": np.zeros(len(TIME)), "current": drive})
         assert not unsigned_signals([still])
         drive[::7] = 0.0
         assert not unsigned_signals([still])
@@ -96,7 +96,7 @@ def one_way(way, drive_of, load_torque=0.0, fast=1.0, period=2e-3):
     turned = np.cumsum(speed) * period
     noise = 0.02 * np.random.default_rng(7).normal(size=len(time))
     signals = {"motor_position": 0.02 * np.rint((turned - turned[0]) / 0.02), "current": drive_of(drive) + noise**2}
-    return Recording(f"r{way}", np.rint(time * 1e9).astype(np.int64), signals)
+    return sampled(f"r{way}", time, signals)
 
 
 @pytest.mark.parametrize("rates", [(2e-3, 2e-3), (2e-3, 8e-3)])
@@ -150,20 +150,20 @@ def sines(name, drive):
 
 
 @pytest.mark.parametrize("name", ["current [A]", "supply current [A]", "I_dc [A]", "bus current [A]"])
-def test_init_reads_it_as_a_magnitude_whatever_its_name(tmp_path, drafted, read, name):
+def test_init_reads_it_as_a_magnitude_whatever_its_name(drawn, drafted, read, name):
     draft = drafted(sines(name, np.abs(current(SPEEDS["sines"], 0.0, 0.5))), torque_constant=0.05)
     assert draft.warned.count(f"{name}: never negative, so it looks like a magnitude without sign") == 1
     assert "positive drives forwards" not in draft.said and "ema-twin discover" not in draft.said
     assert f"{name} has no sign, so no twin can be driven: only the health can be judged" in draft.said
     assert "magnitude: true" in draft.map
     assert read().metadata[f"current{KIND}"] == "magnitude"
-    load_model(tmp_path / "m.yaml")
+    drawn()
 
 
-def test_a_twin_is_refused_for_the_missing_sign_and_not_for_a_missing_column(tmp_path, drafted, read):
+def test_a_twin_is_refused_for_the_missing_sign_and_not_for_a_missing_column(drawn, drafted, read):
     """It said to map a column as current, which the map did."""
     drafted(sines("current [A]", np.abs(current(SPEEDS["sines"], 0.0, 0.5))))
-    model = load_model(tmp_path / "m.yaml")
+    model = drawn()
     recording = matched(read(), model)
     with pytest.raises(InputError, match=r"reads current as a magnitude\. .*take `magnitude: true` out") as refused:
         choose_input(recording, model)
@@ -176,7 +176,7 @@ def test_a_supply_current_that_has_a_sign_is_not_the_motors(drafted):
 
 def test_a_motor_current_goes_before_that_of_the_supply():
     numbers = {"t": TIME, "I_mot [A]": np.sin(TIME), "supply current [A]": np.ones_like(TIME)}
-    (guess,) = guess_columns(list(numbers), numbers=numbers).signals
+    (guess,) = guessed(numbers).signals
     assert guess.column == "I_mot [A]" and not guess.magnitude
 
 
@@ -186,7 +186,7 @@ def test_short_moves_with_long_rests_tell_a_magnitude_too():
     at = np.repeat([0.0, 1.0, 0.0, -1.0] * 5, 20)
     position = np.round(1000.0 * at - 300.0 * (np.r_[0.0, np.diff(at)]))
     drive = np.round(30.0 * np.abs(np.r_[0.0, np.diff(at)]) + 6.0 * (at > 0.0) * np.abs(np.r_[np.diff(at), 0.0]))
-    run = Recording("r", np.rint(time * 1e9).astype(np.int64), {"motor_position": position, "current": drive})
+    run = sampled("r", time, {"motor_position": position, "current": drive})
     assert np.median(drive) == 0.0 and drive.min() == 0.0
     assert unsigned_signals([run]) == {"current"}
 
@@ -228,7 +228,7 @@ def test_a_load_over_the_position_leaves_a_noisy_current_its_sign(weight, dry, v
     drive += inertia * np.gradient(speed, time) + noise * np.random.default_rng(8).normal(size=len(time))
     signals = {"motor_position": way, "current": drive}
     assert (drive < 0.0).any()
-    assert not unsigned_signals([Recording("r", np.rint(time * 1e9).astype(np.int64), signals)])
+    assert not unsigned_signals([sampled("r", time, signals)])
 
 
 def test_a_current_that_noise_hides_in_each_sample_shows_its_sign_in_stretches():

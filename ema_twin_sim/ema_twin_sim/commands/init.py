@@ -124,7 +124,7 @@ def run(
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
         write_text(path, text, force=force)
     guesses = guesses.with_load(drafts.load) if drafts.load is not None else guesses
-    guesses = guesses.without(tuple(drafts.left_out)).as_magnitudes(drafts.magnitudes)
+    guesses = guesses.without(tuple(drafts.left_out)).changed(drafts.magnitudes, magnitude=True)
     rests_on = ""
     if traces:
         for guess in guesses.signals:

@@ -203,7 +203,7 @@ def _inconsistent(recordings: Sequence[Recording], model: Model) -> list[str]:
     rest = iter(own)
     found: list[Inconsistency] = []
     for group in parts:
-        its = list(islice(rest, len(group)))
+        its = islice(rest, len(group))
         told = [mistakes for part in its if (mistakes := [*inconsistencies(part, its_model, own)])]
         # other parts of a long recording would repeat what the first one reports
         sure = (mistakes for mistakes in told if any(one.certain for one in mistakes))
@@ -347,8 +347,8 @@ def of_the_drive(model: Model, signals: Signals, recordings: Sequence[Recording]
     found: Signals = {}
     for name, error in signals.items():
         if name == "current":
-            own = {key: constant * error[key] for key in ("rmse", "noise_floor")}
-            found["motor_torque"] = {**error, "rmse": own["rmse"], "noise_floor": own["noise_floor"], "unit": "N m"}
+            rmse, floor = constant * error["rmse"], constant * error["noise_floor"]
+            found["motor_torque"] = {**error, "rmse": rmse, "noise_floor": floor, "unit": "N m"}
         else:
             found[name] = error
     return found

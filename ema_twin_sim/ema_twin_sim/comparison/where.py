@@ -281,12 +281,7 @@ def _where_moving(standstill: float, values: np.ndarray, speed: np.ndarray) -> n
 
 
 def _periodic(
-    signal: str,
-    unit: str,
-    residual: np.ndarray,
-    stretches: Sequence[Stretch],
-    torque: float | None,
-    standstill: float,
+    signal: str, unit: str, residual: np.ndarray, stretches: Sequence[Stretch], torque: float | None, standstill: float
 ) -> Dependence | None:
     """The order (cycles per motor revolution) that contains most of the residual's power."""
     parts = []

@@ -199,13 +199,7 @@ def _by_zero_drive(recording: Recording, model: Model, beside: Sequence[Recordin
     if not recording.has("current") or any(map(_is_driven, (recording, *beside))):
         return
     name, zero = drive_in_words(recording, model, 0.0)
-    yield Inconsistency(
-        recording.name,
-        f"its {name} is {zero} all along",
-        RIGHT_COLUMN,
-        "zero drive",
-        certain=False,
-    )
+    yield Inconsistency(recording.name, f"its {name} is {zero} all along", RIGHT_COLUMN, "zero drive", certain=False)
 
 
 def _is_driven(recording: Recording) -> bool:

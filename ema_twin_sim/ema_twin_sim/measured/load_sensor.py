@@ -44,14 +44,9 @@ def times_current(recordings: Sequence[Recording]) -> float | None:
 
     Then no sensor measured it: the drive computed it from the current, and it opposes nothing.
     """
-    pairs = [
-        np.stack([r.signals["load_torque"], r.signals["current"]])
-        for r in recordings
-        if r.has("current") and r.has("load_torque")
-    ]
-    if not pairs:
-        return None
-    return exact_factor(*np.concatenate(pairs, axis=1))
+    both = [r for r in recordings if r.has("current", "load_torque")]
+    pairs = [np.stack([r.signals["load_torque"], r.signals["current"]]) for r in both]
+    return exact_factor(*np.concatenate(pairs, axis=1)) if pairs else None
 
 
 def load_varies(recording: Recording) -> bool:
@@ -77,14 +72,10 @@ def torque_per_current(recordings: Sequence[Recording]) -> float | None:
     By regression of the load: what the current drives beyond inertia and friction. It is a start for a fit. A load that
     hardly goes with the current is a sensor's offset.
     """
-    recordings = [r for r in recordings if r.has("current", "load_torque") and load_varies(r)]
-    points = [_rows_of_points(r) for r in recordings if r.of_points]
-    rows = np.concatenate([*points, _all_rows(recordings)])
-    likeness = _likeness_of(rows) if len(rows) > _MOTION + _FEWEST_POINTS else None
-    if likeness is None or likeness < PART:
+    found = _both_beside_motion([r for r in recordings if r.has("current", "load_torque")])
+    if found is None or found[0] < PART:
         return None
-    motion, load, drive = rows[:, :_MOTION], rows[:, _MOTION], rows[:, _MOTION + 1]
-    load, drive = _beside(motion, load), _beside(motion, drive)
+    _, load, drive = found
     return float(load @ drive) / float(drive @ drive)
 
 
@@ -94,14 +85,23 @@ def load_over_motor_torque(recordings: Sequence[Recording]) -> float | None:
     Both without the torque of the motion. Behind a gear whose ratio was not reckoned with, it is about that ratio:
     neither torque is free of errors, so this is the mean of both regressions.
     """
-    both = [r for r in recordings if r.has("motor_torque", "load_torque") and load_varies(r)]
+    both = [r for r in recordings if r.has("motor_torque", "load_torque")]
     both = [replace(r, signals={n: v for n, v in r.signals.items() if n != "current"}) for r in both]
-    rows = np.concatenate([*(_rows_of_points(r) for r in both if r.of_points), _all_rows(both)])
-    likeness = _likeness_of(rows) if len(rows) > _MOTION + _FEWEST_POINTS else None
-    if likeness is None or abs(likeness) < MOSTLY:
+    found = _both_beside_motion(both)
+    if found is None or abs(found[0]) < MOSTLY:
         return None
-    load, drive = (_beside(rows[:, :_MOTION], rows[:, column]) for column in (_MOTION, _MOTION + 1))
+    _, load, drive = found
     return float(np.linalg.norm(load) / np.linalg.norm(drive))
+
+
+def _both_beside_motion(recordings: Sequence[Recording]) -> tuple[float, np.ndarray, np.ndarray] | None:
+    """Correlation of load and drive torque, and both (n,), with the motion regressed out; None if rows are few.
+
+    Recordings whose load does not change do not count.
+    """
+    varied = [r for r in recordings if load_varies(r)]
+    rows = np.concatenate([*(_rows_of_points(r) for r in varied if r.of_points), _all_rows(varied)])
+    return _alike(rows) if len(rows) > _MOTION + _FEWEST_POINTS else None
 
 
 def left_of_the_drive(recordings: Sequence[Recording]) -> tuple[float, float] | None:
@@ -112,8 +112,7 @@ def left_of_the_drive(recordings: Sequence[Recording]) -> tuple[float, float] | 
     1.0 too. Part of the friction may be proportional to the load: it acts as the motion's torque does, and the load has
     the greater share. The drive is the current, or else the motor's torque. Operating points do not accelerate.
     """
-    points = [_rows_of_points(r) for r in recordings if r.of_points]
-    rows = np.concatenate(points) if points else _all_rows(recordings)
+    rows, _ = _rows_or_points(recordings)
     motion, load, drive = rows[:, :_MOVING], rows[:, _MOTION], rows[:, _MOTION + 1]
     motion = motion[:, [np.ptp(column) > 0.0 for column in motion.T]] if len(rows) else motion
     if len(rows) < FEWEST_ROWS or not motion.size or np.ptp(drive) == 0.0:
@@ -148,10 +147,9 @@ def falls_with_load(recordings: Sequence[Recording]) -> bool:
     screw, however, is driven down against its load but not up. So the fall must be significant in each direction
     separately. Operating points at rest have none.
     """
-    points = [_rows_of_points(r) for r in recordings if r.of_points]
-    rows = np.concatenate(points) if points else _all_rows(recordings)
+    rows, of_points = _rows_or_points(recordings)
     forward = rows[:, _SPEED] > 0.0
-    if not points:
+    if not of_points:
         return all(_surely_falls(part) for part in (rows[forward], rows[~forward]))
     moving = rows[:, _SPEED] != 0.0
     parts = (rows[moving & forward], rows[moving & ~forward]) if moving.any() else (rows,)
@@ -184,6 +182,12 @@ def _points_surely_fall(rows: np.ndarray) -> bool:
     return likeness**2 * free >= SIGNIFICANT**2 * (1.0 - likeness**2)
 
 
+def _rows_or_points(recordings: Sequence[Recording]) -> tuple[np.ndarray, bool]:
+    """Rows (n, ``_MOTION`` + 2) of the operating points if there are any, and whether; else those of all motions."""
+    points = [_rows_of_points(r) for r in recordings if r.of_points]
+    return (np.concatenate(points), True) if points else (_all_rows(recordings), False)
+
+
 def _all_rows(recordings: Sequence[Recording]) -> np.ndarray:
     """Rows (n, ``_MOTION`` + 2) of all recordings that have both motion and load."""
     parts = [_rows(r) for r in _loaded(recordings)]
@@ -202,10 +206,15 @@ def _load_shows(rows: np.ndarray, recordings: Sequence[Recording]) -> bool:
 
 
 def _likeness_of(rows: np.ndarray) -> float | None:
-    motion, load, torque = rows[:, :_MOTION], rows[:, _MOTION], rows[:, _MOTION + 1]
-    by_load, by_torque = _beside(motion, load), _beside(motion, torque)
-    both = float(np.linalg.norm(by_load) * np.linalg.norm(by_torque))
-    return float(by_load @ by_torque) / both if both > 0.0 else None
+    found = _alike(rows)
+    return None if found is None else found[0]
+
+
+def _alike(rows: np.ndarray) -> tuple[float, np.ndarray, np.ndarray] | None:
+    """Correlation of load and drive torque, and both (n,), with the motion regressed out; None if one is nothing."""
+    load, drive = (_beside(rows[:, :_MOTION], rows[:, column]) for column in (_MOTION, _MOTION + 1))
+    both = float(np.linalg.norm(load) * np.linalg.norm(drive))
+    return (float(load @ drive) / both, load, drive) if both > 0.0 else None
 
 
 def _load_noise(recording: Recording) -> float:

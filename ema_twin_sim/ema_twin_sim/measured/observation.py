@@ -63,14 +63,8 @@ class Observation:
 
     def without_encoders(self) -> Observation:
         """The observation with torque rows only."""
-        none = np.zeros(0)
-        return replace(
-            self,
-            encoder_rows=self.encoder_rows[:0],
-            encoder=none,
-            encoder_noise=none,
-            encoder_piece=self.encoder_piece[:0],
-        )
+        rows, none = self.encoder_rows[:0], np.zeros(0)
+        return replace(self, encoder_rows=rows, encoder=none, encoder_noise=none, encoder_piece=rows)
 
     def window(self, first: int, last: int) -> Observation:
         """The samples from ``first`` up to ``last`` (exclusive); times are unchanged."""

@@ -91,8 +91,9 @@ def observe(
     acceleration = motion[:, ACCELERATION]
     constant = model.value("machine.torque_constant")
     drive = constant * signals["current"]
-    hit, thrown = (
-        _hardest(acceleration, before, 2.0 * width, period) if geared else np.zeros(len(time))
+    after = round(2.0 * width / period)
+    hit, thrown = (  # the hardest acceleration from so many seconds before each sample
+        moving_maximum(np.abs(acceleration), round(before / period), after) if geared else np.zeros(len(time))
         for before in (SHAKEN, THROWN)
     )
     after_impact = thrown > CHAOTIC
@@ -216,7 +217,6 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
     depended_on = [motion[:, column] for column in (MOTOR_ANGLE, SPEED, LOAD)]
     noise = model.value("sensors.current_noise") or noise_at_points(motion[:, MOTOR_CURRENT], depended_on)
     read = constant * noise if torque.any() else noise_at_points(motion[:, LOAD], depended_on[:2])
-    nowhere = np.zeros(0)
     motor_origin, output_origin = origins_of(recording, model)
     return Observation(
         name=recording.name,
@@ -240,8 +240,8 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
         hit=np.zeros(2 * count),
         after_impact=np.zeros(2 * count, bool),
         encoder_rows=np.zeros(0, np.int64),
-        encoder=nowhere,
-        encoder_noise=nowhere,
+        encoder=np.zeros(0),
+        encoder_noise=np.zeros(0),
         encoder_piece=np.zeros(0, np.int64),
     )
 
@@ -311,11 +311,6 @@ def _judged(time: np.ndarray, period: float, whole: np.ndarray, kernel: np.ndarr
 def _spread(where: np.ndarray, reach: int) -> np.ndarray:
     """Positive within ``reach`` / 2 samples of true ones: a kernel's outer half has almost no weight."""
     return np.rint(np.convolve(where, np.ones(2 * round(0.5 * reach) + 1), "same"))
-
-
-def _hardest(acceleration: np.ndarray, before: float, after: float, period: float) -> np.ndarray:
-    """Largest acceleration (n,) from ``before`` [s] before each sample to ``after`` [s] after it."""
-    return moving_maximum(np.abs(acceleration), round(before / period), round(after / period))
 
 
 def _at(values: np.ndarray, kernel: np.ndarray, rows: np.ndarray) -> np.ndarray:

@@ -107,7 +107,8 @@ def own_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:
     size = torque / reference_bench.TORQUE
     time = math.sqrt((inertia / reference_bench.INERTIA) / size)
     if steady := [r for r in recordings if r.of_points and moves(r, model.value("sensors.speed_noise"))]:
-        time = reference_bench.MOTOR_SPEED / _rms_speed(steady) * (radius or 1.0)  # nothing accelerates an inertia
+        rms_speed = float(np.sqrt(np.mean(np.concatenate([*_speeds(steady)]) ** 2)))
+        time = reference_bench.MOTOR_SPEED / rms_speed * (radius or 1.0)  # nothing accelerates an inertia
     elif all(math.isinf(model.constants[path].tolerance) for path in INERTIAS if model.value(path) > 0.0):
         time = _quick_enough(recordings, time, radius)
     constant = model.value("machine.torque_constant") * (radius or 1.0)
@@ -152,13 +153,8 @@ def with_output_held(model: Model, recordings: Sequence[Recording]) -> Model:
     }
     # if own units are SI here, the machine's size must be taken into account
     torque = reference_bench.OUTPUT_FRICTION * typical_units(recordings, model).factor("N m") / max(len(held), 1)
-    return replace(
-        model,
-        effects={
-            **model.effects,
-            **{name: effect.at({**effect.parameters, "torque": torque}) for name, effect in held.items()},
-        },
-    )
+    rough = {name: effect.at({**effect.parameters, "torque": torque}) for name, effect in held.items()}
+    return replace(model, effects={**model.effects, **rough})
 
 
 def with_hidden_as_given(found: Model, given: Model, recordings: Sequence[Recording]) -> Model:
@@ -197,12 +193,6 @@ def drum_radius(recordings: Sequence[Recording]) -> float:
     """Radius [m] of a drum that turns at usual speeds for a linear machine's recordings."""
     fastest = quantile(lambda: _speeds(recordings), NEARLY_ALL)
     return 10.0 ** round(math.log10(fastest / reference_bench.DRUM_SPEED)) if fastest > 0.0 else 1.0
-
-
-def _rms_speed(recordings: Sequence[Recording]) -> float:
-    """Rms speed [rad/s or m/s] at all operating points."""
-    sizes = np.concatenate([*_speeds(recordings)])
-    return float(np.sqrt(np.mean(sizes**2)))
 
 
 def _speeds(recordings: Sequence[Recording]) -> Iterator[np.ndarray]:

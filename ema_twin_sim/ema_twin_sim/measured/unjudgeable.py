@@ -133,6 +133,7 @@ def too_little_motion(
     found: Sequence[Observation], judged: Sequence[np.ndarray], recordings: Sequence[Recording], model: Model
 ) -> str:
     """Why the ``judged`` rows (m,) of each recording are too few, and the remedy."""
+    hardly_moves = np.mean(np.abs(np.concatenate([o.motion[:, SPEED] for o in found])) > STANDSTILL) < SMALL
     moving = sum(
         len(rows) * o.period * float(np.diff(rows).min(initial=len(o.motion)))
         for o, rows in zip(found, judged, strict=True)
@@ -146,7 +147,7 @@ def too_little_motion(
     return (
         f"{names}: {shown(model, moving, 's')[0]:.2g} s of motion faster than {standstill:.2g} {unit} at the "
         f"motor; a diagnosis needs more of it: {'record longer, or ' if moving > 0.0 else ''}move faster"
-        f"{HELD if loaded and _hardly_moves(found) else _without_clock(recordings, model)}"
+        f"{HELD if loaded and hardly_moves else _without_clock(recordings, model)}"
     )
 
 
@@ -174,10 +175,6 @@ def _loads_change(recordings: Sequence[Recording]) -> bool:
     """Whether the drive's torque changes far beyond its noise: beside rest, a spring may be wound up step by step."""
     currents = [_known(recording.signals["current"]) for recording in recordings if recording.has("current")]
     return any(float(np.ptp(current)) > FAR_OUT * reading_noise(current) for current in currents)
-
-
-def _hardly_moves(found: Sequence[Observation]) -> bool:
-    return bool(np.mean(np.abs(np.concatenate([o.motion[:, SPEED] for o in found])) > STANDSTILL) < SMALL)
 
 
 def _known(values: np.ndarray) -> np.ndarray:

@@ -39,14 +39,13 @@ def matched(recording: Recording, model: Model) -> Recording:
     signals: dict[str, np.ndarray] = dict(recording.signals)
     origin = recording.motor_angle_origin
     metadata = dict(recording.metadata)
-    warnings, unsigned = recording.warnings, []
+    warnings, unsigned = [*recording.warnings], []
     for name in MAY_BE_MAGNITUDES:
         if metadata.pop(f"{name}{KIND}", None) == MAGNITUDE and signals.pop(name, None) is not None:
             unsigned.append(name)
-            warnings = (
-                *warnings,
-                f"{recording.name}: the {name.replace('_', ' ')} is a magnitude, which does not tell "
-                "which way it acts: left out",
+            warnings.append(
+                f"{recording.name}: the {name.replace('_', ' ')} is a magnitude, which does not tell which way it "
+                "acts: left out"
             )
     if unsigned:
         metadata[WITHOUT_SIGN] = " and ".join(unsigned)
@@ -62,16 +61,15 @@ def matched(recording: Recording, model: Model) -> Recording:
     if not {"motor_position", "output_position"} & signals.keys() and "speed" in signals and not recording.of_points:
         signals["motor_position"] = way_of(signals["speed"], recording.time)
         metadata[BY_SPEED] = "speed"
-        warnings = (
-            *warnings,
-            f"{recording.name}: has no position; its speed is integrated instead, and angles count from its start",
+        warnings.append(
+            f"{recording.name}: has no position; its speed is integrated instead, and angles count from its start"
         )
     if clamped := _clamped(signals, model):
         del signals["output_position"]
-        warnings = (*warnings, f"{recording.name}: {clamped}")
+        warnings.append(f"{recording.name}: {clamped}")
     if signals.keys() == recording.signals.keys() and metadata == recording.metadata:
         return recording
-    return replace(recording, signals=signals, motor_angle_origin=origin, metadata=metadata, warnings=warnings)
+    return replace(recording, signals=signals, motor_angle_origin=origin, metadata=metadata, warnings=tuple(warnings))
 
 
 def by_torque(recordings: Sequence[Recording]) -> bool:

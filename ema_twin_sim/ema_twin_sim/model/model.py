@@ -188,13 +188,15 @@ class Model:
         if name in self.effects and self.effects[name].effect != name:
             gone = [name]
         if not gone:
-            raise self._without(name)
+            self._instance(name)
         return replace(self, effects={k: v for k, v in self.effects.items() if k not in gone})
 
-    def _without(self, name: str) -> InputError:
-        """The error to raise if the model has no effect of that name."""
-        hint = f"; {nearest(name, tuple(self.effects))}" if self.effects else ", nor any other"
-        return InputError(f"model {self.name}: no effect '{name}'{hint}")
+    def _instance(self, name: str) -> EffectInstance:
+        """The effect of that name. Raises InputError if the model has none."""
+        if name not in self.effects:
+            hint = f"; {nearest(name, tuple(self.effects))}" if self.effects else ", nor any other"
+            raise InputError(f"model {self.name}: no effect '{name}'{hint}")
+        return self.effects[name]
 
     def with_value(self, path: str, value: float) -> Model:
         """A model with one value changed: ``effects.NAME.PARAMETER`` or a constant's path.
@@ -203,18 +205,9 @@ class Model:
         """
         if path.startswith("effects."):
             _, name, parameter = [*path.split("."), "", ""][:3]
-            if name not in self.effects:
-                raise self._without(name)
-            instance = self.effects[name]
-            effect = find_effect(instance.effect, path)
-            changed = checked_instance(
-                effect,
-                {**instance.parameters, parameter: value},
-                instance.options,
-                name,
-                complete=True,
-                motion=self.motion,
-            )
+            instance = self._instance(name)
+            effect, parameters = find_effect(instance.effect, path), {**instance.parameters, parameter: value}
+            changed = checked_instance(effect, parameters, instance.options, name, complete=True, motion=self.motion)
             changed = replace(changed, enabled=instance.enabled, open=instance.open)
             return replace(self, effects={**self.effects, name: changed})
         constant = CONSTANTS.get(path)
@@ -226,15 +219,11 @@ class Model:
 
     def with_enabled(self, name: str, enabled: bool) -> Model:
         """A model with one effect switched on or off."""
-        if name not in self.effects:
-            raise self._without(name)
-        return replace(self, effects={**self.effects, name: replace(self.effects[name], enabled=enabled)})
+        return replace(self, effects={**self.effects, name: replace(self._instance(name), enabled=enabled)})
 
     def with_option(self, name: str, option: str, choice: str) -> Model:
         """A model with one option of an effect set. Raises InputError with the choices if the choice is invalid."""
-        if name not in self.effects:
-            raise self._without(name)
-        held = self.effects[name]
+        held = self._instance(name)
         effect, options = find_effect(held.effect, name), {**held.options, option: choice}
         complete = option != effect.law  # another law may have further parameters, or fewer
         kept = {p.name for p in effect.parameters_with(options)} if effect.allows(option, choice) else ()

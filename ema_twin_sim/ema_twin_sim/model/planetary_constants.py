@@ -4,7 +4,7 @@ Backlash and run-out are lengths along the line of action. Without condition par
 and equations: ``plant/planetary``.
 """
 
-import math
+from math import inf
 
 from .constant import Constant
 
@@ -34,31 +34,17 @@ PLANETARY_CONSTANTS = (
     _row("face_width", "m", 1e-4, 10.0, "face width of all wheels"),
     _row("youngs_modulus_ratio", "1", 1e-5, 2.0, "Young's modulus of the teeth over that of steel"),
     _row("mesh_damping_ratio", "1", 0.0, 1.0, "damping of each mesh over its critical one"),
-    _row("sun_inertia", "kg m^2", 0.0, math.inf, "inertia of the sun; 0 by its share of the gearbox's", 0.0),
-    _row("planet_inertia", "kg m^2", 0.0, math.inf, "inertia of one planet about its axis; 0 by its share", 0.0),
-    _row(
-        "carrier_inertia",
-        "kg m^2",
-        0.0,
-        math.inf,
-        "inertia of the carrier with its planets' masses; 0 by its share",
-        0.0,
-    ),
-    _row("shaft_stiffness", "N m/rad", 0.0, math.inf, "torsion of the shaft from motor to sun; 0 rigid", usual=0.0),
+    _row("sun_inertia", "kg m^2", 0.0, inf, "inertia of the sun; 0 by its share of the gearbox's", 0.0),
+    _row("planet_inertia", "kg m^2", 0.0, inf, "inertia of one planet about its axis; 0 by its share", 0.0),
+    _row("carrier_inertia", "kg m^2", 0.0, inf, "inertia of the carrier with its planets' masses; 0 by its share", 0.0),
+    _row("shaft_stiffness", "N m/rad", 0.0, inf, "torsion of the shaft from motor to sun; 0 rigid", usual=0.0),
     _row("shaft_damping_ratio", "1", 0.0, 1.0, "damping of that shaft over its critical one", usual=0.05),
     *(_row(f"{key}_mesh_play", "m", 0.0, 1e-2, f"play of the {name} meshes", 0.0) for key, name in _MESHES.items()),
     _row("friction_coefficient", "1", 0.0, 1.0, "sliding friction of the teeth, where it is constant", usual=0.0),
     _row("roughness", "m", 1e-9, 1e-3, "mean roughness Ra of the flanks", usual=1e-6),
     _row("lubricant_temperature", "K", 200.0, 500.0, "temperature of the lubricant", usual=293.15),
     _row("lubricant_density", "kg/m^3", 100.0, 3000.0, "density of the lubricant at 288 K", usual=869.0),
-    _row(
-        "walther_slope",
-        "1",
-        -10.0,
-        0.0,
-        "slope of the lubricant's viscosity over temperature (Walther)",
-        usual=-1.890758,
-    ),
+    _row("walther_slope", "1", -10.0, 0.0, "slope of the lubricant's viscosity over temperature (Walther)", -1.890758),
     _row("walther_intercept", "1", 0.0, 50.0, "intercept of the same", usual=10.5253),
     *(
         row

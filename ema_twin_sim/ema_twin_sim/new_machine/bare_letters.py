@@ -19,9 +19,9 @@ def contradicted_letter(recordings: Sequence[Recording], guesses: Guesses) -> tu
 
     A letter is none if more than half of the position's way is not the speed's. Of two letters the speed goes.
     """
-    found = {guess.signal: guess.column for guess in guesses.signals}
-    letters = [signal for signal in _MOTIONS if signal in found and is_a_letter(header_words(found[signal]))]
-    if len(found.keys() & {*_MOTIONS}) < len(_MOTIONS) or not letters:
+    found = guesses.by_signal
+    letters = [signal for signal in _MOTIONS if signal in found and is_a_letter(header_words(found[signal].column))]
+    if not {*_MOTIONS} <= found.keys() or not letters:
         return "", ""
     share = share_beside_speed(recordings)
     if share <= 0.5:
@@ -29,7 +29,7 @@ def contradicted_letter(recordings: Sequence[Recording], guesses: Guesses) -> tu
     signal = letters[0]
     what = signal.removeprefix("motor_")
     return signal, (
-        f"not used: {100.0 * share:.0f} % of the way of {found['motor_position']} is not that of {found['speed']}, and "
-        f"a letter alone does not tell a {what} (if it is one, say so in its name, as in 'motor {what}', and run init "
-        "again)"
+        f"not used: {100.0 * share:.0f} % of the way of {found['motor_position'].column} is not that of "
+        f"{found['speed'].column}, and a letter alone does not tell a {what} (if it is one, say so in its name, as in "
+        f"'motor {what}', and run init again)"
     )

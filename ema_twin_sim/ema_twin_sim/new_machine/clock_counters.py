@@ -26,14 +26,13 @@ def clock_counters(
     """
     if time is None or time.name not in numbers:
         return ()
-    told = [read for read in names if read is not time and read.name in numbers and _may_count_time(read)]
-    return tuple(read.name for read in told if _rises_with(numbers[time.name], numbers[read.name]))
-
-
-def _may_count_time(read: HeaderWords) -> bool:
-    if has_word(read.words, _WORDS):
-        return False
-    return read.unit == COUNTS or (read.unit is None and word_quantity(read.words) == "time")
+    told = [read for read in names if read is not time and read.name in numbers and not has_word(read.words, _WORDS)]
+    return tuple(
+        read.name
+        for read in told
+        if (read.unit == COUNTS or (read.unit is None and word_quantity(read.words) == "time"))
+        and _rises_with(numbers[time.name], numbers[read.name])
+    )
 
 
 def _rises_with(time: np.ndarray, counter: np.ndarray) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -104,6 +105,15 @@ class Guesses:
     repeats: Mapping[str, str] = field(default_factory=dict)  # not used: copies of these, in words
 
     @property
+    def by_signal(self) -> dict[str, Guess]:
+        """The columns that are taken, by what each is taken for."""
+        return {guess.signal: guess for guess in self.signals}
+
+    def named(self, *signals: str) -> str:
+        """The names of the columns that are taken for these ``signals``, as a list in a sentence."""
+        return ", ".join(guess.column for guess in self.signals if guess.signal in signals)
+
+    @property
     def drives(self) -> bool:
         """Whether the current or the motor's torque is among them, with its sign."""
         return any(guess.signal in MAY_BE_MAGNITUDES and not guess.magnitude for guess in self.signals)
@@ -119,20 +129,10 @@ class Guesses:
             return self
         return replace(self, time=replace(self.time, unit="s"))
 
-    def as_magnitudes(self, signals: Collection[str]) -> Guesses:
-        """The same with these signals read as magnitudes without sign."""
-        read = tuple(replace(guess, magnitude=True) if guess.signal in signals else guess for guess in self.signals)
+    def changed(self, signals: Collection[str], **fields: Any) -> Guesses:
+        """The same with other ``fields`` of the columns that are taken for these ``signals``."""
+        read = tuple(replace(guess, **fields) if guess.signal in signals else guess for guess in self.signals)
         return replace(self, signals=read)
-
-    def with_doubt(self, signal: str, doubt: str) -> Guesses:
-        """The same with something to check about what this signal is."""
-        told = tuple(replace(each, shaft_doubt=doubt) if each.signal == signal else each for each in self.signals)
-        return replace(self, signals=told)
-
-    def with_origin_doubt(self, signal: str, doubt: str) -> Guesses:
-        """The same with the doubt that a signal's column may be of another part of the machine."""
-        told = tuple(replace(each, origin_doubt=doubt) if each.signal == signal else each for each in self.signals)
-        return replace(self, signals=told)
 
     def with_load(self, load: Guess) -> Guesses:
         """The same with a column taken for the load, whatever it was taken for."""
@@ -147,7 +147,7 @@ class Guesses:
     @property
     def both_encoders(self) -> bool:
         """Whether the positions of motor and output are among them."""
-        return {"motor_position", "output_position"} <= {guess.signal for guess in self.signals}
+        return {"motor_position", "output_position"} <= self.by_signal.keys()
 
 
 def guess_columns(
@@ -170,7 +170,8 @@ def guess_columns(
     header = [*dict.fromkeys(header)]  # a map finds by name the first of several that have one
     names = without_shared_quantities([header_words(name) for name in header])
     telling = _telling(names, numbers)
-    linear = _is_linear(telling) or (slides and any(_is_length(read) for read in telling))
+    sure = (read for read in telling if not read.in_doubt and read.quantity in ("position", "speed"))
+    linear = _is_linear(telling) or (slides and any(read.linear for read in sure))
     names = [_settled(read, linear, names) for read in names]
     time = time_column(names, numbers)
     assumed = time is not None and is_assumed(time, names, numbers)
@@ -301,11 +302,6 @@ def _is_linear(names: Sequence[HeaderWords]) -> bool:
             return any(told)
     doubted = [read for read in names if read.in_doubt and read.unit == "m"]
     return len(doubted) == 1 and has_word(doubted[0].words, SLIDES)  # several: m is a subscript for the motor
-
-
-def _is_length(read: HeaderWords) -> bool:
-    """Whether a name's unit is beyond doubt one of a slide's position or speed."""
-    return bool(read.linear) and not read.in_doubt and read.quantity in ("position", "speed")
 
 
 def _settled(read: HeaderWords, linear: bool, names: Sequence[HeaderWords]) -> HeaderWords:

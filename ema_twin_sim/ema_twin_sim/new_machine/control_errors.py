@@ -10,7 +10,7 @@ import numpy as np
 from ema_bench_replay.traces.header_words import HeaderWords
 
 from ..criteria import NEGLIGIBLE, SMALL
-from .signal_columns import Column, signal_column
+from .signal_columns import signal_column
 
 _CONTROLLED = ("position", "speed")
 
@@ -24,16 +24,12 @@ def control_errors(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarra
     columns = [column for column in map(signal_column, names) if column is not None and column.name in numbers]
     found = {}
     for command in (column for column in columns if column.setpoint and column.quantity in _CONTROLLED):
-        measured = [c for c in columns if not c.setpoint and _is_given_alike(c, command)]
+        alike = (command.quantity, command.read.unit)
+        measured = [c for c in columns if not c.setpoint and (c.quantity, c.read.unit) == alike]
         for one, error in permutations(measured, 2):
             if _is_difference(numbers[error.name], numbers[command.name], numbers[one.name]):
                 found[error.name] = f"{command.name} minus {one.name}"
     return found
-
-
-def _is_given_alike(one: Column, other: Column) -> bool:
-    """Whether two columns are of the same quantity, in the same unit."""
-    return (one.quantity, one.read.unit) == (other.quantity, other.read.unit)
 
 
 def _is_difference(error: np.ndarray, command: np.ndarray, measured: np.ndarray) -> bool:

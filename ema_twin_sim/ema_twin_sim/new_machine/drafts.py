@@ -40,7 +40,6 @@ from .never_changing import never_changing
 from .position_beside_speed import not_summed, share_beside_speed, unlike_speed
 from .rows import may_be_points
 from .shaft import Shaft, is_geared, is_possible, position_shaft, shaft_by_travel
-from .sign_words import how_it_is_turned, how_to_turn
 from .signal_columns import is_quadrature
 from .torque_beside_current import not_proportional
 from .two_joints import two_joints
@@ -80,6 +79,11 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     as_guessed = guesses
     of = traces[0].name if traces else f"{given.name}'s traces"
     shaft = Shaft(given.shaft or "motor")
+
+    def read(tried: Guesses) -> list[Recording]:
+        """The traces as a map of these columns reads them; the shaft of the position is the one known by then."""
+        return _read(draft_map(tried, of, shaft), traces)
+
     drafted = draft_map(guesses, of, shaft)
     recordings = _read(drafted, traces)
     source = str(traces[0]) if traces else given.name
@@ -99,11 +103,11 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
                 f"{source}: {', '.join(still)}: never changes, and nothing else is left to read; record a motion, and "
                 "the motor's current or torque"
             )
-        recordings = _read(draft_map(guesses, of, shaft), traces)
+        recordings = read(guesses)
     magnitudes = frozenset(guess.signal for guess in guesses.signals if guess.magnitude)
     if new := unsigned_signals(recordings) - magnitudes:
-        return checked_drafts(as_guessed.as_magnitudes(new), given, traces)
-    behind, unknown = load_by_numbers(recordings, guesses, lambda tried: _read(draft_map(tried, of, shaft), traces))
+        return checked_drafts(as_guessed.changed(new, magnitude=True), given, traces)
+    behind, unknown = load_by_numbers(recordings, guesses, read)
     if behind is not None:
         return checked_drafts(as_guessed.with_load(behind), given, traces)
     reason = _no_load(recordings, guesses.motion)
@@ -119,11 +123,10 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     left_out = {guess.column: why for guess in guesses.signals if (why := of_signal.get(guess.signal, ""))}
     if left_out:
         if of_signal["current"]:
-            guesses = guesses.with_doubt(
-                "motor_torque", "used in place of the current, to which it is not proportional"
-            )
+            doubt = "used in place of the current, to which it is not proportional"
+            guesses = guesses.changed(("motor_torque",), shaft_doubt=doubt)
         guesses = guesses.without(tuple(left_out))
-        recordings = _read(draft_map(guesses, of, shaft), traces)
+        recordings = read(guesses)
     assumed, shown = [_followed(guess) for guess in guesses.signals if guess.command], []
     if (clock := guesses.time) is not None and clock.doubt and header_words(clock.column).unit is not None:
         assumed.append(f"{clock.column}: {clock.doubt} (if each row is an operating point, give --operating-points)")
@@ -135,20 +138,20 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     ]
     if (share := share_beside_speed(recordings)) > SMALL:
         told = f"{100.0 * share:.0f} % of its way is not the speed's"
-        guesses = guesses.with_origin_doubt("motor_position", f"{told}: are both of the same shaft?")
-        column = {guess.signal: guess.column for guess in guesses.signals}
+        guesses = guesses.changed(("motor_position",), origin_doubt=f"{told}: are both of the same shaft?")
+        position, speed = (guesses.named(signal) for signal in ("motor_position", "speed"))
         assumed.append(
-            f"{column['motor_position']}: of the same shaft as {column['speed']}, though {told} (if it is not, remove "
-            "one of them and run init again)"
+            f"{position}: of the same shaft as {speed}, though {told} (if it is not, remove one of them and run init "
+            "again)"
         )
     if (lone := unnamed_beside_speed(guesses)) is not None:
-        guesses = guesses.with_origin_doubt(lone.signal, "no word of its name tells a position: is it one?")
+        guesses = guesses.changed((lone.signal,), origin_doubt="no word of its name tells a position: is it one?")
         assumed.append(f"{lone.column}: a position, though no word of its name tells one ({HOW_TO_NAME})")
     unsure, remedy = ("", "") if left_out else doubted_motors_torque(recordings, guesses)
     if unsure:
-        guesses = guesses.with_doubt("motor_torque", unsure)
-        torque = next(guess.column for guess in guesses.signals if guess.signal == "motor_torque")
-        assumed.append(f"{torque}: the motor's torque, though {unsure.partition(':')[0]} ({remedy})")
+        guesses = guesses.changed(("motor_torque",), shaft_doubt=unsure)
+        doubt = unsure.partition(":")[0]
+        assumed.append(f"{guesses.named('motor_torque')}: the motor's torque, though {doubt} ({remedy})")
     load = next((guess for guess in guesses.signals if guess.signal == "load_torque" and guess.shaft_doubt), None)
     if load is not None:
         assumed.append(
@@ -158,15 +161,15 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     drives = ", ".join(g.column for g in guesses.signals if g.signal in _DRIVE and not g.magnitude and guesses.drives)
     drive = [guess for guess in guesses.signals if guess.signal in _DRIVE]
     turned_drive = any(guess.turned_round for guess in drive)
+    has_factor = any(guess.factor != 1.0 for guess in drive)  # as that of a servo's step
     if falls_with_load(recordings):
-        guesses = replace(guesses, signals=_all_turned(guesses, ("load_torque",)))
-        recordings = _read(draft_map(guesses, of, shaft), traces)
-        columns = ", ".join(g.column for g in guesses.signals if g.turned_round and g.signal == "load_torque")
-        assumed.append(f"{columns}: sign reversed, because the drive's torque falls when it rises")
+        guesses = guesses.changed(("load_torque",), turned_round=True)
+        recordings = read(guesses)
+        assumed.append(f"{guesses.named('load_torque')}: sign reversed, because the drive's torque falls when it rises")
     if _turns_back(recordings):
-        guesses = replace(guesses, signals=_all_turned(guesses, _OUTPUTS))
-        recordings = _read(draft_map(guesses, of, shaft), traces)
-        columns = ", ".join(g.column for g in guesses.signals if g.turned_round and g.signal in _OUTPUTS)
+        guesses = guesses.changed(_OUTPUTS, turned_round=True)
+        recordings = read(guesses)
+        columns = guesses.named(*_OUTPUTS)
         shown.append(f"{columns} turned round (`factor: -1` in the map), since the output turns against the motor")
     units = {guess.signal: guess.unit for guess in guesses.signals}
     foreign = {guess.signal for guess in guesses.signals if guess.foreign_unit}
@@ -186,7 +189,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         placed = any(guess.signal == "motor_position" for guess in guesses.signals)
         why = "assumed to be the output's, like the position" if placed else f"{few}: assumed to be the output's"
         guesses = replace(guesses, signals=tuple(_of_the_output(guess, why) for guess in guesses.signals))
-        recordings = _read(draft_map(guesses, of, shaft), traces)
+        recordings = read(guesses)
         columns = ", ".join(g.column for g in guesses.signals if g.of_output and g.signal in AT_EITHER_SHAFT)
         assumed.append(
             f"{columns}: read as values of the output shaft: {few} (if one is the motor's, say so in its name, as in "
@@ -196,24 +199,26 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         moving = ("motor_position", "speed") if asked_shaft else ()
         if asked_shaft and by_travel.doubt:
             shaft = by_travel
-            guesses = guesses.with_doubt("speed", by_travel.doubt)
-        read = [g.column for g in guesses.signals if g.signal in moving or _tells_the_constant(g, guesses, given)]
-        if read:
+            guesses = guesses.changed(("speed",), shaft_doubt=by_travel.doubt)
+        signals = [*moving, *(["motor_torque"] if _tells_the_constant(guesses, given) else [])]
+        motors = guesses.named(*signals)
+        if motors:
             assumed.append(
-                f"{', '.join(read)}: read as the motor's, which turns {given.gear_ratio:g} times as fast as the output "
+                f"{motors}: read as the motor's, which turns {given.gear_ratio:g} times as fast as the output "
                 "(if of the output, say so in its name, as in 'output position [rad]', and run init again)"
             )
     if (pair := unnamed_pair(guesses)) is not None and not given.gear_ratio:
         names = f"{pair[0].column} and {pair[1].column}"
         told = f"{names} go together, but no word of their names tells a motor or an output ({HOW_TO_NAME})"
         shaft = replace(shaft, doubt_of_ratio=told)
-        guesses = guesses.with_origin_doubt("output_position", f"taken for one as it goes with {pair[0].column}")
+        doubt = f"taken for one as it goes with {pair[0].column}"
+        guesses = guesses.changed(("output_position",), origin_doubt=doubt)
     model = checked_model([_without(recording, magnitudes) for recording in recordings], given, shaft, source)
     if drives and not turned_drive:
         signs = _signs_of_drive(recordings, model)
         turned = [recording.name for recording, sign in zip(recordings, signs, strict=True) if sign < 0]
         if turned and 1 not in signs:  # all else is judged again with it
-            return checked_drafts(replace(as_guessed, signals=_all_turned(as_guessed, _DRIVE)), given, traces)
+            return checked_drafts(as_guessed.changed(_DRIVE, turned_round=True), given, traces)
         if turned:
             assumed.append(
                 f"{drives}: positive drives forwards, though it acts against the motion in {first_of(turned)} "
@@ -225,7 +230,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         else:
             assumed.append(
                 f"{drives}: positive drives forwards, which the recordings do not show clearly (otherwise "
-                f"{how_to_turn(drive)} its line of the map)"
+                f"{'change the sign of `factor` in' if has_factor else 'add `factor: -1` to'} its line of the map)"
             )
     asked = (
         *(_no_sign(guess, recordings) for guess in guesses.signals if guess.magnitude),
@@ -235,7 +240,8 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     if turned_drive:
         told = f"{drives}: as recorded, it acts against the motion, so its sign is reversed"
         otherwise = "if the motion has the wrong sign, reverse the position and the speed instead"
-        asked = (f"{told} ({how_it_is_turned(drive)} in the map); {otherwise}", *asked)
+        how = "a negative `factor`" if has_factor else "`factor: -1`"
+        asked = (f"{told} ({how} in the map); {otherwise}", *asked)
     warnings = tuple(warning for recording in recordings for warning in recording.warnings)
     return Drafts(
         draft_map(guesses, of, shaft),
@@ -296,8 +302,7 @@ def _not_the_motors(recordings: Sequence[Recording], guesses: Guesses, given: Gi
 
     It is used nevertheless if its name says that it is the motor's, or a torque constant was given.
     """
-    found = {guess.signal: guess for guess in guesses.signals}
-    current, torque = found.get("current"), found.get("motor_torque")
+    current, torque = (guesses.by_signal.get(name) for name in ("current", "motor_torque"))
     if current is None or torque is None or torque.unit is None or torque.magnitude:
         return ""
     if given.torque_constant is not None or current.of_motor or is_quadrature(header_words(current.column).words):
@@ -326,7 +331,7 @@ def _of_no_gear(recordings: Sequence[Recording], guesses: Guesses) -> str:
     ratio = ratio_of_positions(farthest(recordings))
     if ratio is None or is_possible(ratio):
         return ""
-    motor = next(guess.column for guess in guesses.signals if guess.signal == "motor_position")
+    motor = guesses.named("motor_position")
     return f"not used as the output's position: beside {motor} the gear ratio would be {abs(ratio):.3g}, as of no gear"
 
 
@@ -336,27 +341,21 @@ def _turns_back(recordings: Sequence[Recording]) -> bool:
     return bool(shown) and max(shown) < 0.0
 
 
-def _tells_the_constant(guess: Guess, guesses: Guesses, given: Given) -> bool:
-    """Whether a column is a torque beside a current, of unnamed shaft: the torque constant may come from it."""
-    beside = given.torque_constant is None and any(other.signal == "current" for other in guesses.signals)
-    return guess.signal == "motor_torque" and beside and not (guess.of_motor or guess.of_output)
-
-
-def _all_turned(guesses: Guesses, signals: Sequence[str]) -> tuple[Guess, ...]:
-    """All columns, those of these ``signals`` to be read with their sign reversed."""
-    return tuple(replace(each, turned_round=True) if each.signal in signals else each for each in guesses.signals)
+def _tells_the_constant(guesses: Guesses, given: Given) -> bool:
+    """Whether a torque beside a current, of unnamed shaft, may tell the torque constant."""
+    current, torque = (guesses.by_signal.get(name) for name in ("current", "motor_torque"))
+    if given.torque_constant is not None or current is None or torque is None:
+        return False
+    return not (torque.of_motor or torque.of_output)
 
 
 def _signs_of_drive(recordings: Sequence[Recording], model: ModelDraft) -> list[int]:
     """Whether current or torque drives each recording's motion as read (1) or reversed (-1); 0: undecided."""
-    with tempfile.TemporaryDirectory() as folder:
-        place = Path(folder) / "model.yaml"
-        place.write_text(model.text)
-        try:
-            own, its_model = to_own_units(recordings, load_model(place))
-            return [_sign(each, its_model) for each in own]
-        except InputError:  # whatever needs the motion will report this
-            return [0] * len(recordings)
+    try:
+        own, its_model = to_own_units(recordings, _loaded(model.text, "the draft"))
+        return [_sign(each, its_model) for each in own]
+    except InputError:  # whatever needs the motion will report this
+        return [0] * len(recordings)
 
 
 def _sign(recording: Recording, model: Model) -> int:
@@ -395,16 +394,23 @@ def checked_model(recordings: Sequence[Recording], given: Given, shaft: Shaft, s
 
     Raises InputError, which names the ``source`` of the recordings, or the first one, if they give no model.
     """
+    draft = draft_model(recordings, given, shaft)
+    try:
+        _loaded(draft.text, f"{source or recordings[0].name}: the model drafted from it")
+    except InputError as error:
+        raise InputError(f"{error}; rename the columns it comes from, or remove them, and run init again") from None
+    return draft
+
+
+def _loaded(text: str, called: str) -> Model:
+    """The model of a file that is not written yet. Raises InputError in which it is ``called`` so."""
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / "model.yaml"
-        draft = draft_model(recordings, given, shaft)
-        place.write_text(draft.text)
+        place.write_text(text)
         try:
-            load_model(place)
-        except InputError as error:  # of a file that the user never sees
-            said = str(error).replace(str(place), f"{source or recordings[0].name}: the model drafted from it")
-            raise InputError(f"{said}; rename the columns it comes from, or remove them, and run init again") from None
-    return draft
+            return load_model(place)
+        except InputError as error:
+            raise InputError(str(error).replace(str(place), called)) from None
 
 
 def _refuse_slow_samples(recording: Recording, guesses: Guesses) -> None:

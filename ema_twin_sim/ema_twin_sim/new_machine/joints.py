@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -86,44 +87,100 @@ class JointColumn:
 
 
 def one_joint(
-    columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray], wanted: str = ""
+    columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray], wanted: str
 ) -> tuple[Joint, list[HeaderWords]]:
     """Choose one joint; return it with the names of its columns (without its own) and of those of no joint.
 
     ``numbers`` are the columns' values, (n,) each; ``wanted`` is the joint taken in another trace of the same machine.
     """
     columns = _without_tool(columns, numbers)
-    names = [column.read for column in columns]
-    parts = {read.name: _number_of(read) for read in names}
-    joints = _joints(columns, numbers, parts)
-    by_words = _parts_by_words(columns)
-    named = _joints(columns, numbers, by_words)
-    by_number = len(named) <= len(joints)  # names that number all joints alike need not agree in their words
-    if not by_number:
-        parts, joints = by_words, named
-    driven_apart = _have_motors_of_their_own(joints, columns, numbers, parts)
+    numbered, worded = _Parts(columns, numbers, _by_number(columns)), _Parts(columns, numbers, _by_words(columns))
+    by_number = len(worded.joints) <= len(numbered.joints)  # names that number all alike need not agree in their words
+    parts = numbered if by_number else worded
+    joints = parts.joints
+    driven_apart = parts.have_motors_of_their_own()
     if len(joints) < 2 or (not driven_apart and _are_one_train([*joints.values()], numbers, by_number)):
-        return ONE_JOINT, names
+        return ONE_JOINT, [column.read for column in columns]
     known = {part_in_the_name(part, read.name): part for part, read in joints.items()}
     ways = {name: travel(joints[part], numbers) for name, part in known.items()}
-    driven = {name for name, part in known.items() if _is_driven(part, columns, numbers, parts)}
-    with_current = {name for name, part in known.items() if _has_current(part, columns, numbers, parts)}
-    again = _told_again({name: _measured(part, columns, numbers, parts) for name, part in known.items()})
+    driven = {name for name, part in known.items() if parts.is_driven(part)}
+    again = _told_again({name: parts.measured(part) for name, part in known.items()})
     farthest = {name: max(ways[other] for other in (name, *again[name])) for name in known}
-    worths = {name: (name in driven, farthest[name], name in with_current, ways[name]) for name in known}
+    worths = {name: (name in driven, farthest[name], parts.has_current(known[name]), ways[name]) for name in known}
     chosen = wanted if wanted in known else max(known, key=worths.__getitem__)
     undriven = tuple(name for name in known if name not in driven and chosen in driven and ways[name] > ways[chosen])
     own, others = known[chosen], [part for name, part in known.items() if name != chosen]
-    own_first = sorted(columns, key=lambda column: parts[column.read.name] != own)
+    own_first = sorted(columns, key=lambda column: parts.by_name[column.read.name] != own)
     kept = [
         replace(column.read, words=tuple(word for word in column.read.words if word not in own))
         for column in own_first
-        if not _is_of_others(parts[column.read.name], own, others)
-        and (by_number or not _is_elsewhere(column, parts[column.read.name], own))
+        if not _is_of_others(parts.by_name[column.read.name], own, others)
+        and (by_number or not _is_elsewhere(column, parts.by_name[column.read.name], own))
     ]
     same = again[chosen]
     moving = tuple(name for name in known if name not in (chosen, *same) and ways[name] > PART * ways[chosen])
     return Joint(chosen, tuple(name for name in known if name != chosen), undriven, moving, same), kept
+
+
+@dataclass(frozen=True)
+class _Parts:
+    """Columns of a trace, their values (n,) by name, and the part of the machine that each name tells."""
+
+    columns: Sequence[JointColumn]
+    numbers: Mapping[str, np.ndarray]
+    by_name: Mapping[str, Part]
+
+    @cached_property
+    def joints(self) -> dict[Part, HeaderWords]:
+        """The column with the motion of each joint, by its part; a joint has both a current or torque and a motion.
+
+        A command of the current or torque counts if none was measured.
+        """
+        found: dict[Part, dict[str, HeaderWords]] = {}
+        commanded = not any(column.quantity in _DRIVES and not column.setpoint for column in self.columns)
+        for column in self.columns:
+            if column.setpoint and not (commanded and column.quantity in _DRIVES):
+                continue
+            part = self.by_name[column.read.name]
+            if part and column.quantity and column.read.name in self.numbers:
+                found.setdefault(part, {}).setdefault(column.quantity, column.read)
+        return {
+            part: held.get("position", held.get("speed", next(iter(held.values()))))
+            for part, held in found.items()
+            if _DRIVES & held.keys() and any(move in held for move in _MOVES)
+        }
+
+    def of(self, part: Part, quantities: Collection[str]) -> list[JointColumn]:
+        """The columns of a part with these quantities and with values."""
+        own = (column for column in self.columns if self.by_name[column.read.name] == part)
+        return [column for column in own if column.read.name in self.numbers and column.quantity in quantities]
+
+    def measured(self, part: Part) -> dict[str, np.ndarray]:
+        """By its quantity, the first column (n,) that a part measures of it."""
+        own = [column for column in reversed(self.of(part, (*_MOVES, *_DRIVES))) if not column.setpoint]
+        return {column.quantity or "": self.numbers[column.read.name] for column in own}
+
+    def drives(self, part: Part) -> list[JointColumn]:
+        """The measured currents of a joint, or else its measured torques, or else the commands of either."""
+        own = self.of(part, _DRIVES)
+        measured = [column for column in own if not column.setpoint]
+        return [column for column in measured if column.quantity == "current"] or measured or own
+
+    def is_driven(self, part: Part) -> bool:
+        """Whether a current of a joint changes, or else a torque: one that another moves has none to be judged."""
+        return any(_changes(self.numbers[column.read.name]) for column in self.drives(part))
+
+    def has_current(self, part: Part) -> bool:
+        """Whether a joint's current is known, and not only its torque."""
+        return any(column.quantity == "current" for column in self.drives(part))
+
+    def have_motors_of_their_own(self) -> bool:
+        """Whether two joints are driven by currents that change, or more of them than a train has shafts.
+
+        Robots move their joints to a pose in step, however far each goes: motions alone do not tell joints from shafts.
+        """
+        driven = [part for part in self.joints if self.is_driven(part)]
+        return sum(map(self.has_current, driven)) > 1 or len(driven) > _SHAFTS
 
 
 def _told_again(measured: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, tuple[str, ...]]:
@@ -145,85 +202,17 @@ def _are_of_one_drive(one: Mapping[str, np.ndarray], other: Mapping[str, np.ndar
     )
 
 
-def _measured(
-    part: Part, columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray], parts: Mapping[str, Part]
-) -> dict[str, np.ndarray]:
-    """By its quantity, the first column (n,) that a part measures of it."""
-    own = [c for c in reversed(columns) if parts[c.read.name] == part and c.read.name in numbers and not c.setpoint]
-    return {c.quantity: numbers[c.read.name] for c in own if c.quantity in (*_MOVES, *_DRIVES)}
-
-
 def _without_tool(columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray]) -> Sequence[JointColumn]:
     """The columns without those of a robot's tool beside several joints; beside one, without those of several numbers.
 
     What a tool does is no joint's; at the end of a single shaft a torque of a flange may be the load's.
     """
     rest = [column for column in columns if not has_word(column.read.words, TOOL)]
-    joints = _joints(rest, numbers, {column.read.name: _number_of(column.read) for column in rest})
-    joints = joints if len(joints) > 1 else _joints(rest, numbers, _parts_by_words(rest)) or joints
+    joints = _Parts(rest, numbers, _by_number(rest)).joints
+    joints = joints if len(joints) > 1 else _Parts(rest, numbers, _by_words(rest)).joints or joints
     of_tool = [column for column in columns if column not in rest]
-    components = len({_number_of(column.read) for column in of_tool} - {()}) > 1
+    components = len({*_by_number(of_tool).values()} - {()}) > 1
     return rest if len(joints) > 1 or (joints and components) else columns
-
-
-def _joints(
-    columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray], parts: Mapping[str, Part]
-) -> dict[Part, HeaderWords]:
-    """The column with the motion of each joint, by its part; a joint has both a current or torque and a motion.
-
-    ``parts`` are those of the columns, by their names. A command of the current or torque counts if none was measured.
-    """
-    found: dict[Part, dict[str, HeaderWords]] = {}
-    commanded = not any(column.quantity in _DRIVES and not column.setpoint for column in columns)
-    for column in columns:
-        if column.setpoint and not (commanded and column.quantity in _DRIVES):
-            continue
-        part = parts[column.read.name]
-        if part and column.quantity and column.read.name in numbers:
-            found.setdefault(part, {}).setdefault(column.quantity, column.read)
-    return {
-        part: held.get("position", held.get("speed", next(iter(held.values()))))
-        for part, held in found.items()
-        if _DRIVES & held.keys() and any(move in held for move in _MOVES)
-    }
-
-
-def _is_driven(
-    part: Part, columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray], parts: Mapping[str, Part]
-) -> bool:
-    """Whether a current of a joint changes, or else a torque: one that is moved by another has none to be judged."""
-    return any(_changes(numbers[c.read.name]) for c in _drives(part, columns, numbers, parts))
-
-
-def _drives(
-    part: Part, columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray], parts: Mapping[str, Part]
-) -> list[JointColumn]:
-    """The measured currents of a joint, or else its measured torques, or else the commands of either."""
-    own = [c for c in columns if parts[c.read.name] == part and c.read.name in numbers and c.quantity in _DRIVES]
-    measured = [c for c in own if not c.setpoint]
-    return [c for c in measured if c.quantity == "current"] or measured or own
-
-
-def _has_current(
-    part: Part, columns: Sequence[JointColumn], numbers: Mapping[str, np.ndarray], parts: Mapping[str, Part]
-) -> bool:
-    """Whether a joint's current is known, and not only its torque."""
-    return any(c.quantity == "current" for c in _drives(part, columns, numbers, parts))
-
-
-def _have_motors_of_their_own(
-    joints: Collection[Part],
-    columns: Sequence[JointColumn],
-    numbers: Mapping[str, np.ndarray],
-    parts: Mapping[str, Part],
-) -> bool:
-    """Whether joints are driven each by itself: two of them by currents that change, or more than a train has shafts.
-
-    Robots move their joints to a pose in step, however far each goes: motions alone do not tell joints from shafts.
-    """
-    driven = [part for part in joints if _is_driven(part, columns, numbers, parts)]
-    by_current = [part for part in driven if _has_current(part, columns, numbers, parts)]
-    return len(by_current) > 1 or len(driven) > _SHAFTS
 
 
 def _changes(values: np.ndarray) -> bool:
@@ -232,12 +221,13 @@ def _changes(values: np.ndarray) -> bool:
     return len(known) > 0 and float(np.ptp(known)) > 0.0
 
 
-def _number_of(read: HeaderWords) -> Part:
-    """The numbers in a column's name, including one in brackets."""
-    return tuple(word for word in (*without_type(read.words), read.foreign) if word.isdigit())
+def _by_number(columns: Sequence[JointColumn]) -> dict[str, Part]:
+    """The numbers in each column's name, including one in brackets."""
+    words = {column.read.name: (*without_type(column.read.words), column.read.foreign) for column in columns}
+    return {name: tuple(word for word in own if word.isdigit()) for name, own in words.items()}
 
 
-def _parts_by_words(columns: Sequence[JointColumn]) -> dict[str, Part]:
+def _by_words(columns: Sequence[JointColumn]) -> dict[str, Part]:
     """What the words of each column's name tell of its joint; ``l`` is the left and no load where there is an ``r``."""
     beside_right = {"l", "r"} <= {word for column in columns for word in column.read.words}
     return {column.read.name: part_of(column.read, column.quantity, load=not beside_right) for column in columns}

@@ -34,7 +34,7 @@ def load_by_numbers(
 
     ``read`` reads the recordings as other guesses say.
     """
-    found = {guess.signal: guess for guess in guesses.signals}
+    found = guesses.by_signal
     current, torque = found.get("current"), found.get("motor_torque")
     if torque is None or torque.command or torque.magnitude or "load_torque" in found:
         return None, {}
@@ -64,7 +64,7 @@ def doubted_motors_torque(recordings: Sequence[Recording], guesses: Guesses) -> 
 
     Second, what to do if it is the load's, with the line for the map.
     """
-    found = {guess.signal: guess for guess in guesses.signals}
+    found = guesses.by_signal
     current, torque = found.get("current"), found.get("motor_torque")
     if current is None or torque is None or torque.of_motor or torque.command or "load_torque" in found:
         return "", ""

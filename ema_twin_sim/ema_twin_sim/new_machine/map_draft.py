@@ -60,11 +60,6 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
     of_position = guess.signal == "motor_position"
     of_output = ", shaft: output" if (shaft.name if of_position else guess.shaft) == "output" else ""
 
-    def look(at: str) -> str:
-        """The comment on what to check: the unit of the numbers, and the shaft that they belong to."""
-        of_shaft = shaft.doubt if of_position else guess.shaft_doubt
-        return check_comment("; ".join(filter(None, (at, of_shaft, guess.origin_doubt))))
-
     factor = -guess.factor if guess.turned_round else guess.factor
     turned = "" if factor == 1.0 else f", factor: {_number(f'{factor:.9g}')}"
     magnitude = ", magnitude: true" if guess.magnitude else ""
@@ -78,21 +73,21 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
     shown = f"  # {sign}" if sign and not of_load else ""  # without a mark: the positions show it
     if not shown and motion == "linear" and is_of_turns(guess.column):
         shown = "  # of the motor, by the slide's way per turn"
-    if guess.unit == COUNTS:
+    counted = guess.unit == COUNTS
+    if counted:
+        unit = f"counts_per_revolution: {guess.counts or ASSUMED_COUNTS:g}"
         unsure = guess.doubt if guess.counts else HOW_TO_GIVE_COUNTS
-        doubt = look("; ".join(filter(None, (unsure, jumps))))
-        return (
-            f"  {guess.signal}: {{columns: [{quoted(guess.column)}], counts_per_revolution: "
-            f"{guess.counts or ASSUMED_COUNTS:g}{turned}{wraps}{of_output}}}{doubt or shown}"
-        )
-    unit = guess.unit or signal_unit(guess.signal, motion)
-    unsure = guess.doubt if guess.unit else _unit_doubt(guess.column)
+    else:
+        unit = f"unit: {guess.unit or signal_unit(guess.signal, motion)}"
+        unsure = guess.doubt if guess.unit else _unit_doubt(guess.column)
     size = "looks like a magnitude without sign: drives no twin" if guess.magnitude else ""
     command = "a command: the drive is assumed to follow it" if guess.command else ""
-    doubt = look("; ".join(filter(None, (unsure, jumps, sign if of_load else "", size, command)))) or shown
-    if of_position and not doubt and not of_output and motion != "linear":
+    of_shaft = shaft.doubt if of_position else guess.shaft_doubt
+    doubts = (unsure, jumps, sign if of_load else "", size, command, of_shaft, guess.origin_doubt)
+    doubt = check_comment("; ".join(filter(None, doubts))) or shown
+    if of_position and not doubt and not of_output and motion != "linear" and not counted:
         doubt = "  # at the motor's shaft; add `shaft: output` if it is the output's"
-    keys = f"unit: {unit}{turned}{wraps}{of_output}{magnitude}"
+    keys = f"{unit}{turned}{wraps}{of_output}{magnitude}"
     return f"  {guess.signal}: {{columns: [{quoted(guess.column)}], {keys}}}{doubt}"
 
 

@@ -24,15 +24,7 @@ from ..simulation.behind_motor import of_encoders_alone
 from .drive_gains import DriveGains, drive_gains
 from .given import Given
 from .load_beside_motor import shown_gear
-from .shaft import (
-    EXACT,
-    SAME_RATIO,
-    Shaft,
-    fastest_motion,
-    is_possible,
-    positions_part,
-    whole_ratio,
-)
+from .shaft import EXACT, SAME_RATIO, Shaft, fastest_motion, is_possible, positions_part, whole_ratio
 from .steps import common_step, is_decimal
 from .torque_constant import TorqueConstant, question_about, told_at_joint, torque_constant
 from .travel_per_turn import (
@@ -147,7 +139,7 @@ def _inertia_lines(motion: str, inertia: float, two_sided: bool) -> list[str]:
 
     def line(name: str, value: float, comment: str) -> str:
         unit = unit_in("kg m^2", motion)
-        return f"  {name}: {{value: {value:g}, unit: {unit}, tolerance: open, source: {START_VALUE}}}  # {comment}"
+        return f"{_line(name, f'{value:g}', unit, tolerance='open', source=START_VALUE)}  # {comment}"
 
     if not two_sided:
         whole = "of all that moves" if motion == "linear" else "total inertia, at the motor"
@@ -178,8 +170,8 @@ class _Ratio:
     doubt: str = ""
 
     def line(self) -> str:
-        value = f'{{value: {self.value:.6g}, unit: "1", tolerance: 0.0, source: {self.source}}}'
-        return f"  gear_ratio: {value}{check_comment(self.doubt)}"
+        line = _line("gear_ratio", f"{self.value:.6g}", '"1"', tolerance="0.0", source=self.source)
+        return f"{line}{check_comment(self.doubt)}"
 
 
 def _ratio(recording: Recording, told: Given, shaft: Shaft) -> _Ratio | None:
@@ -256,13 +248,12 @@ def _torque_lines(recording: Recording, constant: TorqueConstant, at_joint: str)
     if not recording.has("current"):
         return []
     unit = unit_in("N m/A", recording.motion)
-    source, doubt, shaft = constant.source, constant.doubt, ""
-    if at_joint:
-        shaft, doubt = ", shaft: output", f"{at_joint}: assumed to be the joint's, gear included"
-        source = f"{source} as {constant.value:g} {unit}" if source == "given" else source
-        source += f"; {ASSUMED} to be the joint's"
-    value = f"{{value: {constant.value:.6g}, unit: {unit}{shaft}, source: {source}}}"
-    return [f"  torque_constant: {value}{check_comment(doubt)}"]
+    value, source, doubt = f"{constant.value:.6g}", constant.source, constant.doubt
+    if not at_joint:
+        return [_line("torque_constant", value, unit, source=source) + check_comment(doubt)]
+    source = f"{source} as {constant.value:g} {unit}" if source == "given" else source
+    line = _line("torque_constant", value, unit, shaft="output", source=f"{source}; {ASSUMED} to be the joint's")
+    return [line + check_comment(f"{at_joint}: assumed to be the joint's, gear included")]
 
 
 def _without_gains(recordings: Sequence[Recording]) -> str:
@@ -283,9 +274,9 @@ def _drive_lines(found: DriveGains | None, motion: str) -> list[str]:
     source = "given" if found is None else "'fitted: torque over speed error'"
     return [
         "drive:",
-        f"  speed_gain: {{value: {gain}, unit: {unit_in('N m s/rad', motion)}, tolerance: 0.2, source: {source}}}",
-        f"  integral_time: {{value: {time}, unit: s, tolerance: 0.2, source: {source}}}",
-        f"  integral_limit: {{value: 1e6, unit: {unit_in('N m', motion)}, tolerance: 0.0, source: assumed}}",
+        _line("speed_gain", gain, unit_in("N m s/rad", motion), tolerance="0.2", source=source),
+        _line("integral_time", time, "s", tolerance="0.2", source=source),
+        _line("integral_limit", "1e6", unit_in("N m", motion), tolerance="0.0", source="assumed"),
     ]
 
 
@@ -301,12 +292,13 @@ def _sensor_lines(recordings: Sequence[Recording], ratio: float) -> list[str]:
     turn = 2.0 * math.pi if motion == "rotary" else 1.0
     lines = []
     for side in ("motor", "output"):
-        if not recording.has(f"{side}_position"):
+        name = f"{side}_position"
+        if not recording.has(name):
             continue
-        position = _finite(recording.signals[f"{side}_position"])
+        position = _finite(recording.signals[name])
         geared = ratio if side == "motor" else 1.0
-        step, source = _step_of(f"{side}_position", recordings), SMALLEST_STEP
-        column = _column_of_the_map(recording, f"{side}_position")
+        step, source = common_step([_finite(r.signals[name]) for r in recordings if r.has(name)]), SMALLEST_STEP
+        column = _column_of_the_map(recording, name)
         if counts := column.get("counts_per_revolution"):
             step, source = turn / float(counts) * geared, "counts of the import map"
         elif step is not None and (digit := _last_digit(step / geared, str(column.get("unit")), motion)):
@@ -317,35 +309,29 @@ def _sensor_lines(recordings: Sequence[Recording], ratio: float) -> list[str]:
         if step > 0.0 and bounds.lower <= turn / step <= bounds.upper:  # the position of a simulation may be finer
             counted = geared * turn / step  # per turn of the shaft that the encoder is on
             usual = usual_counts(counted) if motion == "rotary" and source == SMALLEST_STEP else None
-            lines.append(
-                f"  {side}_encoder_counts: {{value: {(usual or counted) / geared:.9g}, "
-                f"unit: {unit_in('1/rev', motion)}, tolerance: 0.0, source: {source}}}"
-            )
+            counts, unit = f"{(usual or counted) / geared:.9g}", unit_in("1/rev", motion)
+            lines.append(_line(f"{side}_encoder_counts", counts, unit, tolerance="0.0", source=source))
     for name in ("current", "speed"):
         if recording.has(name) and not (recording.of_points and name == "speed"):  # each point has its own speed
             noise = _usual_noise(recordings, name)
-            lines.append(
-                f"  {name}_noise: {{value: {noise.value:.3g}, unit: {signal_unit(name, motion)}, "
-                f"source: {noise.source}}}{check_comment(noise.doubt)}"
-            )
+            line = _line(f"{name}_noise", f"{noise.value:.3g}", signal_unit(name, motion), source=noise.source)
+            lines.append(line + check_comment(noise.doubt))
     lag = speed_lag(recording)
     if lag is not None:
-        lines.append(f"  speed_smoothing: {{value: {lag:.3g}, unit: s, source: lag of the speed behind the position}}")
+        lines.append(_line("speed_smoothing", f"{lag:.3g}", "s", source="lag of the speed behind the position"))
     if recording.has("motor_torque") and not recording.has("current"):
         noise = _usual_noise(recordings, "motor_torque")
-        torque = signal_unit("motor_torque", motion)
-        lines.append(
-            f"  current_noise: {{value: {noise.value:.3g}, unit: A, "
-            f"source: {noise.source}; {ONE_AMPERE_IS} {torque}}}{check_comment(noise.doubt)}"
-        )
+        source = f"{noise.source}; {ONE_AMPERE_IS} {signal_unit('motor_torque', motion)}"
+        lines.append(_line("current_noise", f"{noise.value:.3g}", "A", source=source) + check_comment(noise.doubt))
     if not recording.of_points:
-        lines.append(f"  sample_period: {{value: {recording.sample_period:g}, unit: s, tolerance: 0.0}}")
+        lines.append(_line("sample_period", f"{recording.sample_period:g}", "s", tolerance="0.0"))
     return lines
 
 
-def _step_of(position: str, recordings: Sequence[Recording]) -> float | None:
-    """The step of a position's counter in all recordings that have it."""
-    return common_step([_finite(each.signals[position]) for each in recordings if each.has(position)])
+def _line(name: str, value: str, unit: str, **more: str) -> str:
+    """A constant's line in the file of a model."""
+    keys = ", ".join(f"{key}: {text}" for key, text in {"value": value, "unit": unit, **more}.items())
+    return f"  {name}: {{{keys}}}"
 
 
 def _column_of_the_map(recording: Recording, signal: str) -> Mapping[str, float | str]:

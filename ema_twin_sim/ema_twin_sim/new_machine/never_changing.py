@@ -33,11 +33,8 @@ def never_changing(recordings: Sequence[Recording]) -> tuple[str, ...]:
     if any(recording.of_points for recording in recordings):
         return ()
     held = [name for name in (*_POSITIONS, *_AT_ZERO) if all(recording.has(name) for recording in recordings)]
-    still = [name for name in held if all(_stands(recording.signals[name], name) for recording in recordings)]
+    stands = {name: zero_all_along if name in _AT_ZERO else never_changes for name in held}
+    still = [name for name in held if all(stands[name](recording.signals[name]) for recording in recordings)]
     if "speed" in held and "speed" not in still:
         still = [name for name in still if name != "motor_position"]
     return tuple(still)
-
-
-def _stands(values: np.ndarray, signal: str) -> bool:
-    return zero_all_along(values) if signal in _AT_ZERO else never_changes(values)

@@ -16,7 +16,7 @@ from .columns import Guesses, guess_columns
 from .interleaved_rows import refuse_interleaved_rows
 
 
-def differing_columns(first: Path, guesses: Guesses, others: Sequence[Path], *, slides: bool = False) -> Iterator[str]:
+def differing_columns(first: Path, guesses: Guesses, others: Sequence[Path], *, slides: bool) -> Iterator[str]:
     """Yield a sentence for what a map of the ``first`` trace's columns does not read, or misses, in the ``others``.
 
     Whether the machine ``slides`` by a known way per turn of its motor decides which columns are used.

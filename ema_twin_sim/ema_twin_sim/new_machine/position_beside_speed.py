@@ -24,10 +24,9 @@ _TRIMMED = 5  # times that the rows that are farthest off are left out anew
 
 def not_summed(recordings: Sequence[Recording]) -> str:
     """Why a motor position is no position if it looks like the counts since the last sample; else empty."""
-    judged = [recording for recording in recordings if _shows_motion(recording)]
-    if not judged or any(_goes_with_speed(recording) for recording in judged):
-        return ""
-    if any(_alike(_summed(_position(r)), travelled_by_speed(r), beside_means=True) < MOSTLY for r in judged):
+    strange = _unlike_speed(recordings)
+    summed = (_alike(_summed(_position(r)), travelled_by_speed(r), beside_means=True) for r in strange)
+    if not strange or any(alike < MOSTLY for alike in summed):
         return ""
     return (
         "not used: it looks like the counts since the last sample, since its sum goes as the speed says and it does "
@@ -40,13 +39,13 @@ def unlike_speed(recordings: Sequence[Recording]) -> str:
 
     It may do so between jumps, as where a recording is put together of pieces.
     """
-    judged = [recording for recording in recordings if _shows_motion(recording)]
-    if not judged or any(_goes_with_speed(recording) for recording in judged):
+    strange = _unlike_speed(recordings)
+    if not strange:
         return ""
-    jumps = [found for found in map(_jumps, judged) if found > 0]
-    if jumps and len(jumps) == len(judged):
+    jumps = [_jumps(recording) for recording in strange]
+    if all(jumps):
         return (
-            f"not used: in {sum(jumps)} of {sum(map(len, judged))} rows it jumps farther than the speed goes, though "
+            f"not used: in {sum(jumps)} of {sum(map(len, strange))} rows it jumps farther than the speed goes, though "
             "it goes with that between these (are samples missing there, or are single values wrong?)"
         )
     return "not used: it has nothing in common with the integral of the speed"
@@ -89,8 +88,10 @@ def _alike_if_counted_on(position: np.ndarray, travelled: np.ndarray) -> float:
     return max(_alike(position, travelled), _alike(on, travelled) if turns else 0.0)
 
 
-def _goes_with_speed(recording: Recording) -> bool:
-    return _likeness(recording) >= PART
+def _unlike_speed(recordings: Sequence[Recording]) -> list[Recording]:
+    """The recordings that show a motion, if the motor position goes where the speed goes in none of them."""
+    judged = [recording for recording in recordings if _shows_motion(recording)]
+    return [] if any(_likeness(recording) >= PART for recording in judged) else judged
 
 
 def _likeness(recording: Recording) -> float:

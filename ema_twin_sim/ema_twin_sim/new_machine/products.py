@@ -49,6 +49,9 @@ IN_TURNS = (
 )
 """ODrive from firmware 0.5 on (docs.odriverobotics.com), whose CAN messages tell the FET's temperature and the bus's
 voltage too; moteus (its register reference: revolutions of the output)."""
+_UNITS = dict.fromkeys(("motor_position", "output_position", "output_command"), "rev") | dict.fromkeys(
+    ("speed", "speed_setpoint"), "rev/s"
+)
 
 
 def with_products_units(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> Guesses:
@@ -65,16 +68,8 @@ def with_products_units(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> 
 
     def told(guess: Guess) -> Guess:
         product = of_all or next((product for product in IN_TURNS if product.names(guess.column)), None)
-        return guess if product is None else _in_turns(guess, f"no unit in the header; {product.name} logs turns")
+        if product is None or guess.unit is not None or guess.signal not in _UNITS:
+            return guess
+        return replace(guess, unit=_UNITS[guess.signal], doubt=f"no unit in the header; {product.name} logs turns")
 
     return replace(guesses, signals=tuple(told(guess) for guess in guesses.signals))
-
-
-def _in_turns(guess: Guess, doubt: str) -> Guess:
-    if guess.unit is not None:
-        return guess
-    if guess.signal in ("motor_position", "output_position", "output_command"):
-        return replace(guess, unit="rev", doubt=doubt)
-    if guess.signal in ("speed", "speed_setpoint"):
-        return replace(guess, unit="rev/s", doubt=doubt)
-    return guess

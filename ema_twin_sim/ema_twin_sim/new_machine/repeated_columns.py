@@ -47,18 +47,14 @@ def repeated_columns(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndar
             found[copy.name] = max(beside, key=lambda each: each[1])
             continue
         for other in columns[place + 1 :]:
-            if not (_is_alike(other, copy) and _may_have_another_zero(copy)):
+            # of a measured position a program may have set zero and direction anew
+            if copy.quantity != "position" or copy.setpoint or not _is_alike(other, copy):
                 continue
             if how := _from_another_zero(sizes[copy.name], sizes[other.name], _factor(copy, other)):
                 zeroed[copy.name] = f"holds the values of {other.name}, {how}: it is no second encoder"
                 break
     copies = [column for column in columns if column.name in found]
     return {copy.name: _in_words(copy, *_first_of_all(copy, found)) for copy in copies} | zeroed
-
-
-def _may_have_another_zero(column: Column) -> bool:
-    """Whether a column is a measured position, whose zero and direction a program may have set anew."""
-    return column.quantity == "position" and not column.setpoint
 
 
 def _from_another_zero(copy: tuple[np.ndarray, float], original: tuple[np.ndarray, float], factor: float) -> str:

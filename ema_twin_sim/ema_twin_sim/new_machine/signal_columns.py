@@ -61,7 +61,8 @@ class Column:
 
 def signal_column(read: HeaderWords) -> Column | None:
     """What a column may be; None if it is no signal."""
-    if has_word(read.words, NO_SIGNAL) or "ddot" in read.words or _is_feedforward(read.words):
+    is_feedforward = has_word(read.words, FEEDFORWARD) or ("feed", "forward") in pairwise(read.words)
+    if has_word(read.words, NO_SIGNAL) or "ddot" in read.words or is_feedforward:
         return None
     if read.quantity is None and has_word(read.words[-1:], NUMBER_OF_SOMETHING):
         return None
@@ -94,11 +95,6 @@ def _without_number_of_a_drive(words: tuple[str, ...]) -> tuple[str, ...]:
 def _is_of_what_is_moved(words: Sequence[str]) -> bool:
     """Whether a column's words name what a motor moves, and no shaft."""
     return has_word(words, MOVED) and not (has_word(words, MOTOR) or has_word(words, OUTPUT))
-
-
-def _is_feedforward(words: Sequence[str]) -> bool:
-    """Whether a column is a feedforward, in one word or in two: part of a command, so no signal."""
-    return has_word(words, FEEDFORWARD) or ("feed", "forward") in pairwise(words)
 
 
 def choose_signals(
@@ -137,7 +133,8 @@ def choose_signals(
             not _of_a_current(c, currents, numbers),
         ),
     )
-    drives = [*currents, *(c for c in told if _may_drive(c))]
+    may_drive = (c for c in told if c.shaft != "output" and not _measured_behind(c))
+    drives = [*currents, *(c for c in may_drive if not has_word(c.read.words, FILTERED))]
     behind = [c for c in torques if c.shaft == "output" or (c.shaft == "" and drives and _measured_behind(c))]
     take("motor_torque", [c for c in torques if c not in behind])
     take("load_torque", behind)
@@ -162,8 +159,9 @@ def choose_signals(
                 -travel(c.read, numbers),
             )
         )
-    if any(word_quantity(c.read.words) == "position" for c in unsaid):  # what only counts may count anything
-        unsaid.sort(key=_only_counts)
+    by_words = [c for c in unsaid if word_quantity(c.read.words) == "position"]
+    if by_words:  # what only counts may count anything
+        unsaid.sort(key=lambda c: c.read.unit == COUNTS and c not in by_words)
     take("motor_position", [*(c for c in positions if c.shaft == "motor"), *unsaid])
     if (motor := taken.get("motor_position")) is not None:
         if motor in unsaid:  # a driver sets a pedal, which moves otherwise
@@ -201,11 +199,6 @@ def _is_idle(column: Column, numbers: Mapping[str, np.ndarray]) -> bool:
     if column.quantity in ("position", "speed"):
         return never_changes(values)
     return column.quantity in ("current", "torque") and zero_all_along(values)
-
-
-def _only_counts(position: Column) -> bool:
-    """Whether a column is taken for a position by its unit of counts alone."""
-    return position.read.unit == COUNTS and word_quantity(position.read.words) != "position"
 
 
 def _of_other_axes(
@@ -247,11 +240,6 @@ def _is_computed(torque: Column, torques: Sequence[Column]) -> bool:
     """Whether a controller computed a torque. "cal" says so beside an estimate only: it may be a calibrated one."""
     estimated = any(has_word(c.read.words, ESTIMATED) for c in torques if c is not torque)
     return has_word(torque.read.words, f"{COMPUTED}|{SHARE}") or ("cal" in torque.read.words and estimated)
-
-
-def _may_drive(torque: Column) -> bool:
-    """Whether a measured torque may be the motor's, beside which a transducer's is the load."""
-    return torque.shaft != "output" and not _measured_behind(torque) and not has_word(torque.read.words, FILTERED)
 
 
 def _measured_behind(torque: Column) -> bool:

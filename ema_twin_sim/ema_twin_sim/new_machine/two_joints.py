@@ -26,8 +26,7 @@ _BOTH = ("motor_position", "output_position")
 
 def two_joints(recordings: Sequence[Recording], guesses: Guesses) -> str:
     """Why the position of the output is another joint's; empty if it may be the output's, or if its name says so."""
-    found = {guess.signal: guess for guess in guesses.signals}
-    motor, output = (found.get(name) for name in _BOTH)
+    motor, output = (guesses.by_signal.get(name) for name in _BOTH)
     if motor is None or output is None or _tells_a_side(motor) or _tells_a_side(output):
         return ""
     moved = _moved([recording for recording in recordings if recording.has(*_BOTH) and not recording.of_points])

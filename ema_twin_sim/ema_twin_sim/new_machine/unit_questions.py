@@ -18,9 +18,12 @@ from ..measured.usual_sizes import unusual_sizes
 from .steps import is_decimal, smallest_step
 from .usual_counts import usual_counts
 
+_POSITIONS = ("motor_position", "output_position")
+_WORDS = {"deg": "degrees", "rev": "turns", "rad": "radians"}
+
 
 def questions_about_units(
-    recording: Recording, units: Mapping[str, str | None], foreign: Collection[str] = ()
+    recording: Recording, units: Mapping[str, str | None], foreign: Collection[str]
 ) -> Iterator[str]:
     """Questions about a recording's units, in words; ``units`` are those of its columns (None: not known).
 
@@ -39,33 +42,29 @@ def _by_whole_numbers(recording: Recording, units: Mapping[str, str | None]) -> 
 
     No encoder has such steps, and drives tell speeds in whole numbers of turns per minute, or of their own steps.
     """
-    for signal in ("motor_position", "output_position"):
-        if not recording.has(signal) or units.get(signal) is not None:
+    for signal in (*_POSITIONS, "speed"):
+        step = _step(recording, signal) if units.get(signal) is None else None
+        if step is None or step < 1.0 - NEGLIGIBLE:
             continue
-        step = smallest_step(recording.signals[signal][np.isfinite(recording.signals[signal])])
-        if step is not None and step >= 1.0 - NEGLIGIBLE:
-            yield (
-                f"{recording.name}: {signal} goes in steps of {step:.3g} rad, and no unit is given; does its column "
-                f"count an encoder's steps? Then add [counts] to its name, or give `counts_per_revolution` in the map"
-            )
-    if recording.has("speed") and units.get("speed") is None:
-        step = smallest_step(recording.signals["speed"][np.isfinite(recording.signals["speed"])])
-        if step is not None and step >= 1.0 - NEGLIGIBLE:
+        if signal == "speed":
             yield (
                 f"{recording.name}: speed goes in steps of {step:.3g} rad/s, as of whole numbers, and no unit is "
                 "given; is its column in rpm, or in the drive's own steps? Then add [rpm] to its name, or give its "
                 "`factor` in the map"
             )
+        else:
+            yield (
+                f"{recording.name}: {signal} goes in steps of {step:.3g} rad, and no unit is given; does its column "
+                f"count an encoder's steps? Then add [counts] to its name, or give `counts_per_revolution` in the map"
+            )
 
 
 def _by_counts(recording: Recording, units: Mapping[str, str | None]) -> Iterator[str]:
     """A question if an encoder's steps give usual counts per turn in another unit, but not in the one it is read in."""
-    for signal in ("motor_position", "output_position"):
+    for signal in _POSITIONS:
         read = units.get(signal)
-        if not recording.has(signal) or read not in units_of(signal):
-            continue
-        step = smallest_step(recording.signals[signal][np.isfinite(recording.signals[signal])])
-        if step is None or usual_counts(2.0 * math.pi / step) is not None:
+        step = _step(recording, signal) if read in units_of(signal) else None
+        if read is None or step is None or usual_counts(2.0 * math.pi / step) is not None:
             continue
         own = step / units_of(signal)[read]  # in the column's own unit
         if is_decimal(own):
@@ -79,4 +78,7 @@ def _by_counts(recording: Recording, units: Mapping[str, str | None]) -> Iterato
                 return
 
 
-_WORDS = {"deg": "degrees", "rev": "turns", "rad": "radians"}
+def _step(recording: Recording, signal: str) -> float | None:
+    """The step in which a signal goes; None if there is none, or no such signal."""
+    values = recording.signals.get(signal, np.zeros(0))
+    return smallest_step(values[np.isfinite(values)])

@@ -42,7 +42,7 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
     guesses = with_products_units(guesses, numbers)
     if servo := servo_by_sign_bit(guesses):
         guesses = in_steps_of(servo, guesses, numbers)
-    known = {guess.signal: guess for guess in guesses.signals}
+    known = guesses.by_signal
     position, speed = known.get("motor_position"), known.get("speed")
     time_unit, time_doubt = clock.unit, clock.doubt
     if time_unit is None:
@@ -58,7 +58,7 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
         ways = _ways(numbers[position.column], numbers[speed.column], seconds)
         if servo := servo_of(position, speed, numbers, ways):
             guesses = in_steps_of(servo, guesses, numbers)
-            known = {guess.signal: guess for guess in guesses.signals}
+            known = guesses.by_signal
             position, speed = known["motor_position"], known["speed"]
         if position.unit is None and speed.unit is None and ways is not None and abs(abs(ways) - 1.0) < NEGLIGIBLE:
             position, speed = _alike(position, speed, numbers)
@@ -96,14 +96,14 @@ def _alike(position: Guess, speed: Guess, numbers: Mapping[str, np.ndarray]) -> 
     """
     units, alike = units_of("motor_position"), ("rad", "deg", "rev")
     step = smallest_step(numbers[position.column][np.isfinite(numbers[position.column])])
-    usual = (
-        [] if step is None or is_decimal(step) else [u for u in alike if usual_counts(2.0 * math.pi / units[u] / step)]
+    shown = (
+        {} if step is None or is_decimal(step) else {u: usual_counts(2.0 * math.pi / units[u] / step) for u in alike}
     )
+    usual = [(unit, counts) for unit, counts in shown.items() if counts]
     fastest = float(np.nanmax(np.abs(numbers[speed.column])))
     doubt = "no unit in the header; position and speed would also agree in other units of angle"
     if len(usual) == 1:
-        unit = usual[0]
-        counts = usual_counts(2.0 * math.pi / units[unit] / (step or 1.0)) or 0.0
+        unit, counts = usual[0]
         doubt = (
             f"no unit in the header; with this one, its steps are those of an encoder with {counts:.0f} counts per turn"
         )

@@ -14,8 +14,7 @@ HOW_TO_NAME = "if one is not, remove it; else say so in its name, as in 'motor p
 
 def unnamed_pair(guesses: Guesses) -> tuple[Guess, Guess] | None:
     """The positions of motor and output if no word of either tells one; None otherwise. A number is no such word."""
-    found = {guess.signal: guess for guess in guesses.signals}
-    motor, output = found.get("motor_position"), found.get("output_position")
+    motor, output = (guesses.by_signal.get(name) for name in ("motor_position", "output_position"))
     if motor is None or output is None or _is_named(motor) or _is_named(output):
         return None
     return motor, output
@@ -26,7 +25,7 @@ def unnamed_beside_speed(guesses: Guesses) -> Guess | None:
 
     There nothing shows that it is one: the points are apart, and the speed does not lead from one to the next.
     """
-    found = {guess.signal: guess for guess in guesses.signals}
+    found = guesses.by_signal
     position = found.get("motor_position")
     if not guesses.of_points or position is None or "speed" not in found or _is_named(position):
         return None

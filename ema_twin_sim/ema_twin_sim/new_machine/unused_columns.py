@@ -23,7 +23,8 @@ from .voltages import voltages
 def with_unknown_units(columns: Collection[str]) -> list[str]:
     """Those of the columns whose unit is known of no quantity; powers and accelerations are known to be no signals."""
     told = {name: header_words(name).foreign for name in columns}
-    return [name for name, unit in told.items() if unit and not unit.isdigit() and not _of_no_signal(unit)]
+    of_no_signal = f"{POWER_UNIT}|{ACCELERATION_UNIT}"
+    return [name for name, u in told.items() if u and not u.isdigit() and not re.fullmatch(of_no_signal, u)]
 
 
 def beside_those_taken(guesses: Guesses, columns: Collection[str]) -> list[str]:
@@ -91,10 +92,6 @@ def _tells_nothing(name: str) -> bool:
     read = header_words(name)
     known = has_word(read.words, f"{NO_SIGNAL}|{DUTY}|{DUTY_SETTING}")
     return read.unit is None and not read.foreign and word_quantity(read.words) is None and not known
-
-
-def _of_no_signal(unit: str) -> bool:
-    return re.fullmatch(f"{POWER_UNIT}|{ACCELERATION_UNIT}", unit) is not None
 
 
 def _apart(name: str) -> str:
