@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 
-import numpy as np
-
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.twin import Twin

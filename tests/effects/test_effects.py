@@ -43,7 +43,7 @@ def difference(model, other, recording):
     assert all(np.isfinite(one[name]).all() for name in UNITS if name != "unexplained_torque")
     return max(
         np.abs(one[name] - two[name]).max() / floor for name, floor in noise_floors(model).items()
-        if name != "unexplained_torque"
+        if name in UNITS and name != "unexplained_torque"
     )  # fmt: skip
 
 
