@@ -46,27 +46,24 @@ class RunFeatures:
         )
 
 
-def run_features(record: MotionRecord, wavelength: float, unsigned: bool | None = None) -> RunFeatures:
+def run_features(record: MotionRecord, wavelength: float) -> RunFeatures:
     """Compute the features of a run. ``wavelength`` is in the position's unit, NaN for none.
 
-    ``unsigned`` says whether the effort is a magnitude; None: decided from the run itself. If that leaves a doubt, the
-    features are computed both ways.
+    If it is not certain whether the effort is a magnitude, they are computed both ways.
     """
     acquisition = judge_acquisition(record)
-    if unsigned is not None:
-        acquisition = acquisition.read_as(unsigned)
-    taken = acquisition.unsigned if unsigned is None else unsigned
+    unsigned = acquisition.unsigned
     features, otherwise, motion = None, None, (np.nan, np.nan, np.nan)
     if acquisition.usable:
         phases = phases_of(record)
-        features = features_of(record, wavelength, taken)
-        if unsigned is None and not acquisition.certain_of_sign:
-            otherwise = features_of(record, wavelength, not taken)
+        features = features_of(record, wavelength, unsigned)
+        if not acquisition.certain_of_sign:
+            otherwise = features_of(record, wavelength, not unsigned)
         motion = float(np.median(np.diff(record.time))), phases.travel, phases.top_speed
         if np.isfinite(wavelength) and "wave_depth" not in features.values:
             acquisition = replace(acquisition, findings=(*acquisition.findings, _too_short(phases, record, wavelength)))
     return RunFeatures(
-        record.name, record.test, acquisition, features, wavelength, taken, motion, record.position_unit,
+        record.name, record.test, acquisition, features, wavelength, unsigned, motion, record.position_unit,
         record.effort_unit, otherwise,
     )  # fmt: skip
 

@@ -45,7 +45,8 @@ def _log_signal(
         send(stream, f"{at}/curves{twin}", time, (curve.measured - curve.residual)[order])
         style(stream, f"{at}/residual{twin}", f"− twin: {model}", colour, 1.2)
         send(stream, f"{at}/residual{twin}", time, curve.residual[order] / scale)
-    log_noise(stream, f"{at}/residual", time, floor / scale, unit)
+    style_noise(stream, f"{at}/residual", unit)
+    send_noise(stream, f"{at}/residual", time, floor / scale)
 
 
 def residual_unit(curves: Sequence[Curves]) -> tuple[float, str]:
@@ -54,17 +55,16 @@ def residual_unit(curves: Sequence[Curves]) -> tuple[float, str]:
     return axis_unit(max(sizes, default=0.0), curves[0].unit)
 
 
-def log_noise(stream: rr.RecordingStream, at: str, time: Sequence[float] | np.ndarray, floor: float, unit: str) -> None:
-    """The band of the sensors' noise, one standard deviation to either side, as two lines below ``at``."""
-    for name, level in (("noise_above", floor), ("noise_below", -floor)):
-        entity = f"{at}/{name}"
-        style_noise(stream, entity, unit)
-        send_level(stream, entity, time, level)
+def style_noise(stream: rr.RecordingStream, at: str, unit: str) -> None:
+    """Set how the band of the sensors' noise is drawn: two lines below ``at``."""
+    for side in ("above", "below"):
+        style(stream, f"{at}/noise_{side}", f"± sensors' noise [{unit}]", QUIET, 1.5)
 
 
-def style_noise(stream: rr.RecordingStream, entity: str, unit: str) -> None:
-    """Set how an edge of the noise band is drawn."""
-    style(stream, entity, f"± sensors' noise [{unit}]", QUIET, 1.5)
+def send_noise(stream: rr.RecordingStream, at: str, time: np.ndarray, floor: float) -> None:
+    """Extend that band over the times [s] (n,): one standard deviation to either side."""
+    send_level(stream, f"{at}/noise_above", time, floor)
+    send_level(stream, f"{at}/noise_below", time, -floor)
 
 
 def curves_tab(given: Shown) -> rrb.Container:
