@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import platform
 import uuid
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from datetime import datetime
 from pathlib import Path
@@ -33,15 +33,18 @@ _MANY_FILES = 8  # number of a unit's files from which they are merged
 _PART = ".part"
 _OF_A_TRY = ["key", "status", "done_at"]
 _TRIES = 5  # attempts to read while another process merges files
+_LATEST = f"""
+SELECT * EXCLUDE (whole)
+FROM (SELECT *, bool_and(status = '{DONE}') OVER (PARTITION BY key, done_at) AS whole FROM written)
+QUALIFY rank() OVER (PARTITION BY key ORDER BY whole DESC, done_at DESC) = 1
+"""
+"""The rows of each job's latest try; a try that was done counts before a later one that was not."""
 _RESULTS = f"""
 CREATE VIEW results AS
-SELECT * EXCLUDE (whole) FROM (
-    SELECT * FROM (SELECT *, bool_and(status = '{DONE}') OVER (PARTITION BY key, done_at) AS whole FROM written)
-    QUALIFY rank() OVER (PARTITION BY key ORDER BY whole DESC, done_at DESC) = 1
-)
+SELECT * FROM ({_LATEST})
 QUALIFY row_number() OVER (PARTITION BY unit, name, task, model ORDER BY done_at DESC) = 1
 """
-"""Of each job the rows of the try that ``_latest`` chooses; of a changed recording, those of the latest job."""
+"""Of each job its latest rows; of a changed recording, those of the latest job."""
 _ONE_SCAN = """
 SELECT string_agg(name) FROM duckdb_optimizers()
 WHERE name IN ('window_self_join', 'late_materialization', 'top_n_window_elimination')
@@ -109,11 +112,10 @@ class Store:
             if len(files) < _MANY_FILES:
                 continue
             try:
-                table = _table_of(files)
+                table = _latest(_table_of(files))
             except FileNotFoundError:
                 continue
-            rows = _latest(table.to_pylist())
-            self._write(pa.Table.from_pylist(rows, SCHEMA), rows[0]["unit"])
+            self._write(table, table["unit"][0].as_py())
             for file in files:
                 with suppress(FileNotFoundError):
                     file.unlink()
@@ -238,13 +240,10 @@ def _listed(folder: Path) -> list[Path]:
         return []
 
 
-def _latest(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The rows of each job's latest try; a try that was done counts before a later one that was not."""
-    tries: dict[str, dict[datetime, dict[str, dict[str, Any]]]] = {}
-    for row in rows:
-        tries.setdefault(row["key"], {}).setdefault(row["done_at"], {})[row["name"]] = row
-    found: list[dict[str, Any]] = []
-    for of in tries.values():
-        best = max(of, key=lambda at: (all(row["status"] == DONE for row in of[at].values()), at))
-        found += of[best].values()
-    return found
+def _latest(written: pa.Table) -> pa.Table:
+    """The latest rows of each job, each once, even if others have merged the same files."""
+    import duckdb
+
+    with duckdb.connect() as database:
+        database.register("written", written)
+        return database.sql(f"SELECT DISTINCT ON (key, name) * FROM ({_LATEST})").to_arrow_table().cast(SCHEMA)

@@ -31,8 +31,8 @@ from ..simulation.virtual_bench import virtual_bench
 from .campaign import stored
 from .engine import Outcome
 from .jobs import Job
-from .results import DONE, REFUSED
-from .work import Row, blank, discovered, failed
+from .results import DONE
+from .work import Row, blank, discovered, errors_told_in
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -183,7 +183,7 @@ def swept(point: Point, study: Study) -> Row:
     """The row of a point: the effects that a search names, its estimates, and the bounds of their errors."""
     begun = time.perf_counter()
     row = blank(point, VERB, study.model)
-    try:
+    with errors_told_in(row):
         model = load_model(study.model)
         true, lacked = with_settings(model, point.settings)
         row["settings"] = [{"path": path, "value": value, "unit": _unit(true, path)} for path, value in point.settings]
@@ -201,10 +201,6 @@ def swept(point: Point, study: Study) -> Row:
         if study.search:
             row |= discovered(recordings, model)
         row["status"] = DONE
-    except InputError as error:
-        row |= {"status": REFUSED, "message": str(error)}
-    except Exception as error:  # one failing point must not stop the sweep
-        row |= failed(error)
     return row | {"seconds": time.perf_counter() - begun, "done_at": datetime.now(timezone.utc)}
 
 
