@@ -66,7 +66,7 @@ def write_page(
 
 def fitting_moved(models: Sequence[Model], findings: Findings | None, fit: FitFindings | None) -> bool:
     """Whether any number of the third model differs from the second's by more than its standard error."""
-    from ..report.fitted import two_values
+    from ..report.difference import two_values
 
     return any(each.differ for each in two_values(models[1], models[2], findings, fit))
 

@@ -108,7 +108,7 @@ def _choice(
         max(_largest(twin.residual) for twin in (twins[1:] if limited else twins)), first.unit
     )
     measured = first.measured[rows]
-    mode = {"mode": "markers", "marker": {"size": 4}} if besides[0].of_points else {}
+    mode: dict[str, Any] = {"mode": "markers", "marker": {"size": 4}} if besides[0].of_points else {}
 
     def curve(values: np.ndarray, role: str, title: str, axis_name: str, width: float) -> dict[str, Any]:
         return line(at, values, title, role, width=width, yaxis=axis_name, meta=role.removeprefix("@"), **mode)

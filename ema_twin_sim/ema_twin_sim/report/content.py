@@ -18,7 +18,7 @@ from ..simulation.simulate import DRIVING
 from ..words.findings import Findings
 from ..words.fit_findings import FitFindings
 from .beside import Beside, beside
-from .fitted import TwoValues, two_values
+from .difference import TwoValues, two_values
 
 ROLES = ("your model", "with the effects found", "fitted")
 """Names of three models in the tables and legends of a page or view."""

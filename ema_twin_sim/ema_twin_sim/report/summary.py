@@ -11,7 +11,7 @@ from ..criteria import NOISY
 from ..effects import catalogue
 from ..listing import listed, number_of
 from ..quantities import MOST_TIMES, limited_factor, quantity
-from ..words.findings import UnseenErrors
+from ..words.findings import Findings, UnseenErrors
 from ..words.origin import names_of
 from ..words.sentences import (
     NO_RUNNER_UP,
@@ -197,7 +197,7 @@ def _sure(content: Content) -> list[Markup]:
         said = verdict_of(findings, searched_model(content))
         lines.append(f"A search on these recordings gives a different result from {content.names[1]}: {said}")
     if findings.ranking:
-        lines.append(_probabilities(content))
+        lines.append(_probabilities(findings))
     runners: dict[str, str] = {}
     for step in findings.steps:
         if step.action == "add":
@@ -220,9 +220,7 @@ def _sure(content: Content) -> list[Markup]:
     return [items(*lines)]
 
 
-def _probabilities(content: Content) -> str:
-    findings = content.findings
-    assert findings is not None
+def _probabilities(findings: Findings) -> str:
     found = [entry for entry in findings.ranking if entry.found]
     none, unknown = (100.0 * (share or 0.0) for share in (findings.none, findings.unknown))
     rest = f"{no_effect_words(findings.beyond_noise)} missing: {none:.0f} %, {NOT_IN_CATALOGUE}: {unknown:.0f} %"

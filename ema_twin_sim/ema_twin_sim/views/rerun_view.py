@@ -187,7 +187,7 @@ def _names(batch: _Batch) -> list[list[str]]:
     return [list(signals) for signals in batch[1:]]
 
 
-def _full_colours(gearing: Gearing) -> tuple[float, float, float]:
+def _full_colours(gearing: Gearing) -> np.ndarray:
     return by_ratios(gearing, np.zeros(1), np.zeros(1), np.full(1, _FULL)).strongest
 
 
