@@ -72,7 +72,7 @@ def _refit(findings: Findings) -> list[tuple[str, ...]]:
 
 def falling(findings: Findings, unseen: UnseenErrors) -> Chart:
     """RMSE after each step, for all recordings together and for each recording."""
-    whole, each = _from_the_given(unseen)
+    whole, each = from_the_given(unseen)
     scale, unit = axis_unit(max(whole), unseen.unit)
     places = _places(findings, len(unseen.rmse))
     if len(whole) > len(unseen.rmse):
@@ -106,7 +106,7 @@ def _points(size: int, colour: str) -> dict[str, Any]:
     return {"mode": "lines+markers", "marker": {"size": size, "color": colour}}
 
 
-def _from_the_given(unseen: UnseenErrors) -> tuple[tuple[float, ...], list[tuple[str, tuple[float, ...]]]]:
+def from_the_given(unseen: UnseenErrors) -> tuple[tuple[float, ...], list[tuple[str, tuple[float, ...]]]]:
     """(pooled, by recording) RMSE after each step; starts with the unchanged model if its constants were fitted."""
     if unseen.given is None or unseen.given == unseen.rmse[0]:
         return unseen.rmse, list(unseen.recordings)
