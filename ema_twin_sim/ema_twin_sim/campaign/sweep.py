@@ -238,7 +238,7 @@ def bounds(
                 value = true.effects[id].parameters[p.name]
                 found.append({"owner": id, "name": p.name, "value": value, "std": told["std"], "unit": told["unit"]})
     for owner, numbers in constants(f, sure, true).items():
-        of_effect = true.effects[owner].parameters if owner in true.effects else {}
+        of_effect: Mapping[str, Any] = true.effects[owner].parameters if owner in true.effects else {}
         for name, of in numbers.items():
             value = of_effect.get(name, of["nominal"])
             found.append({"owner": owner, "name": name, "value": value, "std": of["std"], "unit": of["unit"]})
