@@ -25,10 +25,9 @@ from ..words.sentences import (
     removed_words,
     why_step,
 )
-from .backwards import gone_effects
 from .chart import AFTER, FAINT, Chart, Charts, axis, label, line, log_axis
 from .content import Content, signal_words
-from .difference import NewEffect, TwoValues, apart, new_effects, two_values
+from .difference import NewEffect, TwoValues, apart, two_values
 from .markup import Markup, section, table, tag
 
 _HEIGHT = 340  # pixels
@@ -128,7 +127,7 @@ def _places(findings: Findings, count: int) -> list[str]:
 def _parameters(content: Content) -> list[Markup]:
     """Tables of the parameters of the effects that were added, and of those that the later model lacks."""
     before, after = content.names[:2]
-    came = new_effects(*content.before_and_after, content.findings)
+    came = content.new
     fitted = len(content.models) > 2
     caption = f"Parameters of the effects that only {after} has"
     if fitted:
@@ -136,7 +135,7 @@ def _parameters(content: Content) -> list[Markup]:
     told = _of_effects(came, content, caption, fitted=fitted)
     if sentence := output_sentence(content.models[1], [effect.name for effect in came]):
         told = [*told, tag("p", sentence, class_="aside")]
-    return [*told, *_of_effects(gone_effects(content), content, f"Parameters of the effects that only {before} has")]
+    return [*told, *_of_effects(content.gone, content, f"Parameters of the effects that only {before} has")]
 
 
 def _of_effects(effects: Sequence[NewEffect], content: Content, caption: str, *, fitted: bool = False) -> list[Markup]:
@@ -191,7 +190,7 @@ def _constants(content: Content) -> list[Markup]:
 
 def _moved_constants(content: Content) -> dict[str, list[Held]]:
     """By path: the values, in all models, of the numbers that the first model has too and a later one changed."""
-    came = {effect.name for effect in new_effects(*content.before_and_after)}
+    came = {effect.name for effect in content.new}
     found = {each.path: each for each in two_values(*content.before_and_after, None, content.findings)}
     fitted = {each.path: each for each in content.fitted_numbers if each.part not in came}
     moved: dict[str, list[Held]] = {}
