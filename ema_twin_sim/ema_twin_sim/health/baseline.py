@@ -95,7 +95,7 @@ def learn(
     if wavelength is None:
         judged = [(record, judge_acquisition(record)) for record in records]
         fit = [(record, acquisition) for record, acquisition in judged if acquisition.fit_to_learn_from]
-        unsigned = mostly_unsigned([(one.unsigned, one.certain_of_sign) for _, one in fit])
+        unsigned = mostly_unsigned([acquisition for _, acquisition in fit])
         strokes = [stroke for record, _ in fit for stroke in stroke_efforts(record, unsigned)]
         wavelength = found_wavelength(strokes) if strokes else np.nan
     return learn_from([run_features(record, wavelength) for record in records], false_alarm=false_alarm)
@@ -118,7 +118,7 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
         raise InputError(
             f"healthy recordings of {number} tests are too few to estimate how tests differ; give {FEWEST_TESTS}"
         )
-    unsigned = mostly_unsigned([(run.unsigned, run.otherwise is None) for run in kept])
+    unsigned = mostly_unsigned([run.acquisition for run in kept])
     kept = [run.read_as(unsigned) for run in kept]
     if odd := next((run for run in kept if run.unsigned != unsigned), None):
         raise InputError(f"{odd.name}: {other_sign(odd)}; leave it out of the healthy ones")
