@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Mapping, Sequence
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -108,9 +109,8 @@ class RerunView:
     def _send_held(self) -> None:
         """Send the held batches as one, since each message has a large fixed cost."""
         held, self._held, self._sent = self._held, [], clock.monotonic()
-        while held:
-            alike = next((k for k, batch in enumerate(held) if _names(batch) != _names(held[0])), len(held))
-            together, held = held[:alike], held[alike:]
+        for _, alike in groupby(held, _names):
+            together = list(alike)
             signals = [
                 {name: np.concatenate([batch[side][name] for batch in together]) for name in together[0][side]}
                 for side in (1, 2, 3)
