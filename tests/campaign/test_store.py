@@ -21,11 +21,12 @@ from ema_twin_sim.campaign.store import Store, writer_host
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.words.units import moving_words
 from tests.command_line import done
+from tests.stored_rows import complete, weekly
 
 
 def a_row(unit="A", name="a", key="1", status=DONE, done=0, **others):
     row = {"unit": unit, "name": name, "key": key, "status": status, "task": "compare", "model": "m"}
-    return {**dict.fromkeys(SCHEMA.names), **row, "done_at": datetime.fromtimestamp(done, timezone.utc), **others}
+    return complete([{**row, "done_at": datetime.fromtimestamp(done, timezone.utc), **others}])[0]
 
 
 class TestStore:
@@ -206,14 +207,8 @@ class TestUnits:
 
 class TestHistories:
     @staticmethod
-    def a_unit(values, std=1.0, dated=True, owner="backlash", name="width"):
-        """A unit with a number, as told week by week, and how sure."""
-        rows = []
-        for k, (value, of) in enumerate(np.broadcast(values, std)):
-            at = datetime.fromtimestamp(k * 7 * 86400.0, timezone.utc) if dated else None
-            held = {"owner": owner, "name": name, "value": value, "std": of, "unit": "rad"}
-            rows.append(a_row(name=f"week {k}", key=str(k), duration=20.0, time=at, parameters=[held]))
-        return units_of(rows)[0]
+    def a_unit(values, std=1.0, **others):
+        return units_of(weekly(values, std, **others))[0]
 
     def test_a_number_that_stays_has_no_change_and_no_trend(self):
         values = 100.0 + np.random.default_rng(3).normal(size=30)
