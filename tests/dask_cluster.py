@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from typing import NamedTuple
 
 from ema_twin_sim.campaign.engine import SPARING, Outcome
-from ema_twin_sim.campaign.results import DONE
+from ema_twin_sim.campaign.results import DONE, FAILED
 
 ENVIRONMENT = os.environ | {
     f"DASK_{name.upper().replace('.', '__').replace('-', '_')}": str(value) for name, value in SPARING.items()
@@ -25,6 +25,11 @@ def no_work(jobs):
 def second_of_no_work(jobs):
     """The same, but each says that it took a second: none goes together with others then."""
     return [Outcome(job, DONE, "", 1.0) for job in jobs]
+
+
+def lost(job, reason):
+    """The outcome of a job that was given up."""
+    return Outcome(job, FAILED, reason, 0.0)
 
 
 class Cluster(NamedTuple):

@@ -41,7 +41,7 @@ def run_by_hand(name, rng, *, lacks=(), still=(), times=1.0, turned=False, acqui
         values[feature] = Feature(value, *one[1:])
     friction, load = values["friction"].value, values["load"].value
     features = Features(values, (friction + load, friction - load))
-    return RunFeatures(name, name, acquisition, features, np.nan, False, (0.01, 10.0, 2.0), "rad", "A")
+    return RunFeatures(name, name, acquisition, features, np.nan, (0.01, 10.0, 2.0), "rad", "A")
 
 
 def healthy_by_hand(**given) -> Baseline:

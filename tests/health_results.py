@@ -25,7 +25,7 @@ def _row(unit, day, friction, drawn):
     scatters = {name: Feature(0.02 * drawn.normal(), "A", True) for name in ("roughness", "rest_hunting")}
     features = Features({"friction": Feature(friction, "A"), **scatters}, (friction, friction))
     run = RunFeatures(
-        f"{at:%Y-%m-%d}.csv", f"{at:%Y-%m-%d}", Acquisition(True, True, False, ()), features, np.nan, False,
+        f"{at:%Y-%m-%d}.csv", f"{at:%Y-%m-%d}", Acquisition(True, True, False, ()), features, np.nan,
         (0.01, 1.0, 1.0), "rad", "A",
     )  # fmt: skip
     of = {"task": "health", "model": "", "status": DONE, "time": at, "duration": 9.0, "content": [f"{unit} {day}"]}

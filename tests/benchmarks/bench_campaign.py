@@ -16,9 +16,9 @@ import pytest
 
 from ema_bench_replay.bags.bag_writer import write_mcap
 from ema_twin_sim.campaign.campaign import campaign
-from ema_twin_sim.campaign.engine import Outcome, cluster, run
+from ema_twin_sim.campaign.engine import cluster, run
 from ema_twin_sim.campaign.jobs import Grouping, Job, Task, find_jobs
-from ema_twin_sim.campaign.results import DONE, FAILED, SCHEMA
+from ema_twin_sim.campaign.results import DONE, SCHEMA
 from ema_twin_sim.campaign.store import Store
 from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.command import parse_command
@@ -28,7 +28,7 @@ from tests.accuracy.machine import stock_machine
 from tests.accuracy.other_bench import OtherBench
 from tests.accuracy.unkind import Unkind
 from tests.benchmarks.timing import processor_time
-from tests.dask_cluster import no_work, own_cluster, second_of_no_work
+from tests.dask_cluster import lost, no_work, own_cluster, second_of_no_work
 
 OVERVIEW = """
     SELECT unit, count(*), max(time), max(list_max(list_transform(beyond_noise, lambda signal: signal.times))),
@@ -44,10 +44,6 @@ COMPARE = Task("compare", "polito_bench")
 OVERHEAD = 1e-3  # s of a processor that a job which does nothing may take, of all processes together
 SCALING = 0.9  # of the workers' own time
 GROWTH = 60.0  # MiB, of a worker from a tenth of the recordings on
-
-
-def lost(job, reason):
-    return Outcome(job, FAILED, reason, 0.0)
 
 
 @pytest.fixture(scope="module")

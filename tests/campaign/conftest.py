@@ -1,11 +1,17 @@
 """What tests of campaigns share."""
 
 import shutil
-from pathlib import Path
 
 import pytest
 
-RECORDINGS = Path(__file__).parents[1] / "recordings"
+from ema_twin_sim.campaign.engine import cluster
+from tests.conftest import RECORDINGS
+
+
+@pytest.fixture(scope="module")
+def client():
+    with cluster(None, 2) as client:
+        yield client
 
 
 @pytest.fixture

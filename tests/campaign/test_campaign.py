@@ -26,6 +26,7 @@ from ema_twin_sim.words.units import counts_words
 from tests.command_line import done_here
 
 COMPARE = Task("compare", "polito_bench")
+TIMED = r"(?P<unit>EMA\d+)_(?P<time>[\d-]+)"
 
 
 def put(folder, *names):
@@ -34,9 +35,13 @@ def put(folder, *names):
         (folder / name).write_text("a\n")
 
 
+def jobs_of(folder, pattern=None, together="recording", **more):
+    return find_jobs(Grouping.of(folder, pattern, together), COMPARE, **more)
+
+
 class TestJobs:
     def test_a_unit_is_a_folder(self, folder):
-        jobs = find_jobs(Grouping.of(folder, None, "recording"), COMPARE)
+        jobs = jobs_of(folder)
         assert [(job.unit, Path(job.name).suffix) for job in jobs] == [("A", ".CSV")] * 2 + [("B", ".CSV")] * 2
 
     def test_links_to_the_folders_of_units_are_followed_but_not_in_circles(self, tmp_path):
@@ -45,41 +50,37 @@ class TestJobs:
         (tmp_path / "store" / "EMA7" / "day" / "back").symlink_to(tmp_path / "store" / "EMA7")
         (tmp_path / "fleet").mkdir()
         (tmp_path / "fleet" / "EMA7").symlink_to(tmp_path / "store" / "EMA7")
-        (job,) = find_jobs(Grouping.of(tmp_path / "fleet", None, "recording"), COMPARE)
+        (job,) = jobs_of(tmp_path / "fleet")
         assert (job.unit, job.name) == ("EMA7", "EMA7/day/a.csv")
 
     def test_text_files_of_other_names_are_read_where_there_is_nothing_else(self, tmp_path):
         told = []
         put(tmp_path, "a.txt", "b.txt")
-        grouping = Grouping.of(tmp_path, None, "recording")
-        assert [job.name for job in find_jobs(grouping, COMPARE, tell=told.append)] == ["a.txt", "b.txt"]
+        assert [job.name for job in jobs_of(tmp_path, tell=told.append)] == ["a.txt", "b.txt"]
         put(tmp_path, "c.csv")
-        assert [job.name for job in find_jobs(grouping, COMPARE, tell=told.append)] == ["c.csv"]
+        assert [job.name for job in jobs_of(tmp_path, tell=told.append)] == ["c.csv"]
         assert told[0].endswith("holds no .csv or .mcap file; reading its 2 .txt files instead")
         assert "leaving out its 2 .txt files beside 1 recording in .csv or .mcap files; rename those" in told[1]
         put(tmp_path, "d.csv")
-        find_jobs(grouping, COMPARE, tell=told.append)
+        jobs_of(tmp_path, tell=told.append)
         assert len(told) == 2  # a few notes beside the recordings are nothing to tell
 
     def test_a_pattern_tells_unit_and_time(self, tmp_path):
         put(tmp_path, "EMA7_2026-03-01.csv", "EMA8_2026-03-02.csv", "notes.csv")
         told = []
-        pattern = r"(?P<unit>EMA\d+)_(?P<time>[\d-]+)"
-        jobs = find_jobs(Grouping.of(tmp_path, pattern, "unit"), COMPARE, tell=told.append)
+        jobs = jobs_of(tmp_path, TIMED, "unit", tell=told.append)
         assert [(job.unit, job.time.day) for job in jobs] == [("EMA7", 1), ("EMA8", 2)]
         assert "notes.csv" in told[0]
 
     def test_recordings_that_are_judged_together_have_the_time_of_the_last(self, tmp_path):
         put(tmp_path, "EMA7_2026-03-01.csv", "EMA7_2026-03-09.csv", "EMA7_2026-03-05.csv")
-        grouping = Grouping.of(tmp_path, r"(?P<unit>EMA\d+)_(?P<time>[\d-]+)", "unit")
-        (job,) = find_jobs(grouping, COMPARE)
+        (job,) = jobs_of(tmp_path, TIMED, "unit")
         assert job.time.day == 9
 
     def test_a_time_that_is_none_leaves_one_recording_out(self, tmp_path):
         put(tmp_path, "EMA7_2026-03-01.csv", "EMA7_2026-13-01.csv", "EMA8_2026-03-02.csv")
         told = []
-        pattern = r"(?P<unit>EMA\d+)_(?P<time>[\d-]+)"
-        jobs = find_jobs(Grouping.of(tmp_path, pattern, "recording"), COMPARE, tell=told.append)
+        jobs = jobs_of(tmp_path, TIMED, tell=told.append)
         assert [job.name for job in jobs] == ["EMA7_2026-03-01.csv", "EMA8_2026-03-02.csv"]
         (one,) = told
         assert "EMA7_2026-13-01.csv: 2026-13-01 is not an ISO 8601 time" in one and one.endswith("left out")
@@ -87,16 +88,15 @@ class TestJobs:
     def test_a_pattern_that_finds_no_time_at_all_is_refused(self, tmp_path):
         put(tmp_path, "EMA7_2026-13-01.csv", "EMA8_2026-14-02.csv")
         told = []
-        grouping = Grouping.of(tmp_path, r"(?P<unit>EMA\d+)_(?P<time>[\d-]+)", "recording")
         with pytest.raises(InputError, match="of all 2 recordings none has a time"):
-            find_jobs(grouping, COMPARE, tell=told.append)
+            jobs_of(tmp_path, TIMED, tell=told.append)
         (one,) = told
         assert one.endswith("left out, as are 1 more")
 
     def test_a_pattern_that_matches_nothing_is_refused(self, tmp_path):
         put(tmp_path, "EMA7.csv", "EMA8.csv")
         with pytest.raises(InputError, match=r"none of 2 recordings .* matches --unit; the first is EMA7.csv"):
-            find_jobs(Grouping.of(tmp_path, r"(?P<unit>XYZ\d)", "recording"), COMPARE)
+            jobs_of(tmp_path, r"(?P<unit>XYZ\d)")
 
     @pytest.mark.parametrize(
         ("pattern", "reason"),
@@ -107,13 +107,13 @@ class TestJobs:
             Grouping.of(tmp_path, pattern, "recording")
 
     def test_a_recording_that_changes_is_another_job(self, folder):
-        grouping = Grouping.of(folder, None, "recording")
-        before = {job.name: job.key for job in find_jobs(grouping, COMPARE)}
+        before = {job.name: job.key for job in jobs_of(folder)}
         changed = folder / "B" / "torn.CSV"
         changed.write_text("time;current\n0;0\n")
-        after = {job.name: job.key for job in find_jobs(grouping, COMPARE)}
+        after = {job.name: job.key for job in jobs_of(folder)}
         assert {name for name in before if before[name] != after[name]} == {"B/torn.CSV"}
-        assert not {*after.values()} & {job.key for job in find_jobs(grouping, Task("fit", "polito_bench"))}
+        fits = find_jobs(Grouping.of(folder, None, "recording"), Task("fit", "polito_bench"))
+        assert not {*after.values()} & {job.key for job in fits}
 
     def test_a_recording_that_was_split_is_one(self, tmp_path):
         writer = StreamWriter(tmp_path / "A" / "run", max_size=1)
@@ -123,14 +123,14 @@ class TestJobs:
             writer.flush()
         writer.finish()
         (tmp_path / "A" / "run" / "metadata.yaml").unlink()  # as where it was killed
-        (job,) = find_jobs(Grouping.of(tmp_path, None, "recording"), COMPARE)
+        (job,) = jobs_of(tmp_path)
         assert [Path(part).name for part in job.recordings[0]] == ["run.mcap", "run_1.mcap"]
 
     def test_results_beneath_the_folder_are_no_recordings(self, folder):
         (folder / "results").mkdir()
         (folder / "results" / "copy.csv").write_text("a\n")
-        grouping = Grouping.of(folder, None, "folder")
-        assert [job.unit for job in find_jobs(grouping, COMPARE, (folder / "results",))] == ["A", "B"]
+        jobs = jobs_of(folder, together="folder", skipped=(folder / "results",))
+        assert [job.unit for job in jobs] == ["A", "B"]
 
 
 class TestWork:
@@ -139,7 +139,7 @@ class TestWork:
         from ema_twin_sim.comparison.compare import compare
         from ema_twin_sim.model import load_model
 
-        job = find_jobs(Grouping.of(folder, None, "recording"), COMPARE)[0]
+        job = jobs_of(folder)[0]
         row = judged(job, COMPARE)[0]
         overall = compare([load(job.recordings[0][0])], load_model("polito_bench")).overall
         assert {e["signal"]: e["rmse"] for e in row["errors"]} == {
@@ -148,7 +148,7 @@ class TestWork:
         assert (row["status"], row["unit"], row["motion"]) == (DONE, "A", "rotary")
 
     def test_what_cannot_be_judged_has_a_row(self, folder, monkeypatch):
-        jobs = find_jobs(Grouping.of(folder, None, "recording"), COMPARE)
+        jobs = jobs_of(folder)
         torn = judged(jobs[-1], COMPARE)[0]
         assert torn["status"] == REFUSED
         assert "torn.CSV" in torn["message"]
@@ -158,7 +158,7 @@ class TestWork:
 
     def test_a_unit_is_judged_by_those_of_its_recordings_that_can_be_read(self, folder):
         told = []
-        jobs = find_jobs(Grouping.of(folder, None, "unit"), COMPARE)
+        jobs = jobs_of(folder, together="unit")
         (row,) = judged(jobs[-1], COMPARE, told.append)
         assert (row["unit"], row["status"], len(row["content"])) == ("B", DONE, 1)
         (left_out,) = [warning for warning in told if "torn.CSV" in warning]
@@ -169,7 +169,7 @@ class TestWork:
         (folder / "B" / "torn.CSV").replace(folder / "B" / "kept.CSV")
         for file in folder.glob("B/Banco*"):
             file.unlink()
-        (row,) = judged(find_jobs(Grouping.of(folder, None, "unit"), COMPARE)[-1], COMPARE)
+        (row,) = judged(jobs_of(folder, together="unit")[-1], COMPARE)
         assert row["status"] == REFUSED
 
     def test_a_unit_that_is_judged_as_a_whole_was_last_recorded_when_its_last_recording_was(self, tmp_path):
@@ -177,13 +177,13 @@ class TestWork:
             start = (1_770_000_000 + 86_400 * day) * 10**9
             of = Recording(f"{day}", np.arange(0, 10**9, 10**7), {"current": np.ones(100)}, start)
             write_bag(of, tmp_path / "A")
-        (row,) = judged(find_jobs(Grouping.of(tmp_path, None, "unit"), COMPARE)[0], COMPARE)
+        (row,) = judged(jobs_of(tmp_path, together="unit")[0], COMPARE)
         assert row["time"].timestamp() == 1_770_000_000 + 86_400 * 9
 
     def test_a_recording_whose_end_is_cut_is_told_of_and_judged(self, folder):
         whole, torn = next((folder / "A").glob("*.CSV")), folder / "B" / "torn.CSV"
         torn.write_bytes(whole.read_bytes()[:100_000])
-        jobs = find_jobs(Grouping.of(folder, None, "recording"), COMPARE)
+        jobs = jobs_of(folder)
         told = []
         row = judged(jobs[-1], COMPARE, told.append)[0]
         assert row["status"] == DONE and row["warnings"] == told
@@ -210,7 +210,7 @@ def test_a_disk_that_fails_is_no_internal_error(folder, monkeypatch):
         raise OSError(errno.EIO, os.strerror(errno.EIO), str(parts[0]))
 
     monkeypatch.setattr(work, "load_runs", unreadable)
-    job = find_jobs(Grouping.of(folder, None, "recording"), COMPARE)[0]
+    job = jobs_of(folder)[0]
     (row,) = judged(job, COMPARE)
     assert row["status"] == FAILED and row["message"].startswith(f"{folder}/{job.name}: Input/output error; run")
 

@@ -22,10 +22,10 @@ from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED
 from ema_twin_sim.campaign.store import Store
 from ema_twin_sim.campaign.units import units_of
 from tests.command_line import done_here, twin
-from tests.dask_cluster import own_cluster
+from tests.conftest import RECORDINGS
+from tests.dask_cluster import lost, own_cluster
 
 MANY = 24
-RECORDINGS = Path(__file__).parents[1] / "recordings"
 COMPARE = Task("compare", "polito_bench")
 
 
@@ -46,28 +46,18 @@ def _settings(names):
     return [dask.config.get(name) for name in names]
 
 
-def _lost(job, reason):
-    return Outcome(job, FAILED, reason, 0.0)
-
-
-@pytest.fixture(scope="module")
-def client():
-    with cluster(None, 2) as client:
-        yield client
-
-
 class TestEngine:
     @pytest.mark.slow
     def test_every_job_is_done_once(self, client, tmp_path):
         jobs = [Job(str(k), "A", str(k), ()) for k in range(2000)]
-        outcomes = list(run(client, iter(jobs), partial(_stub, folder=str(tmp_path)), _lost))
+        outcomes = list(run(client, iter(jobs), partial(_stub, folder=str(tmp_path)), lost))
         assert sorted(int(outcome.job.key) for outcome in outcomes) == [*range(2000)]
 
     @pytest.mark.slow
     def test_a_worker_that_dies_takes_no_job_with_it(self, client, tmp_path):
         names = [*(str(k) for k in range(40)), "kill once", "kill always", *(str(k) for k in range(40, 80))]
         jobs = [Job(name, "A", name, ()) for name in names]
-        outcomes = {o.job.name: o for o in run(client, jobs, partial(_stub, folder=str(tmp_path)), _lost)}
+        outcomes = {o.job.name: o for o in run(client, jobs, partial(_stub, folder=str(tmp_path)), lost)}
         assert {*outcomes} == {*names}
         assert [name for name, outcome in outcomes.items() if outcome.status == FAILED] == ["kill always"]
         assert "died" in outcomes["kill always"].message

@@ -10,10 +10,11 @@ import pytest
 
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.campaign import engine, lost_workers
-from ema_twin_sim.campaign.engine import Outcome, cluster, run
+from ema_twin_sim.campaign.engine import cluster, run
 from ema_twin_sim.campaign.jobs import Job
 from ema_twin_sim.campaign.lost_workers import PATIENCE, LostWorkers
-from ema_twin_sim.campaign.results import DONE, FAILED
+from ema_twin_sim.campaign.results import DONE
+from tests.dask_cluster import lost, second_of_no_work
 
 ADDRESS = "tcp://10.0.0.1:8786"
 
@@ -82,14 +83,6 @@ class TestOthersWorkers:
         assert others.asked <= 10
 
 
-def _done(jobs):
-    return [Outcome(job, DONE, "", 1.0) for job in jobs]
-
-
-def _lost(job, reason):
-    return Outcome(job, FAILED, reason, 0.0)
-
-
 def _jobs(number):
     return [Job(str(k), "A", str(k), ()) for k in range(number)]
 
@@ -102,12 +95,6 @@ def _give_up(local):
     return nannies
 
 
-@pytest.fixture(scope="module")
-def client():
-    with cluster(None, 2) as client:
-        yield client
-
-
 @pytest.mark.slow
 class TestOwnWorkers:
     def test_workers_that_were_given_up_are_replaced(self, client):
@@ -115,7 +102,7 @@ class TestOwnWorkers:
         local = client.cluster
         first = _give_up(local)
         del local.workers[0]
-        assert [outcome.status for outcome in run(client, _jobs(4), _done, _lost)] == [DONE] * 4
+        assert [outcome.status for outcome in run(client, _jobs(4), second_of_no_work, lost)] == [DONE] * 4
         client.wait_for_workers(2)
         assert len(local.workers) == 2 and not {*first} & {*local.workers.values()}
 
@@ -133,10 +120,10 @@ class TestOwnWorkers:
         with dask.config.set({"distributed.worker.preload": ["no_such_module"]}):
             _give_up(client.cluster)
             with pytest.raises(InputError, match="--workers 2: no worker process has been running") as told:
-                list(run(client, _jobs(4), _done, _lost))
+                list(run(client, _jobs(4), second_of_no_work, lost))
             assert "run the command again" in str(told.value)
         monkeypatch.undo()
-        assert [outcome.status for outcome in run(client, _jobs(4), _done, _lost)] == [DONE] * 4
+        assert [outcome.status for outcome in run(client, _jobs(4), second_of_no_work, lost)] == [DONE] * 4
 
 
 @pytest.mark.slow

@@ -21,11 +21,12 @@ from ema_twin_sim.campaign.store import Store, writer_host
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.words.units import moving_words
 from tests.command_line import done
+from tests.stored_rows import complete, weekly
 
 
 def a_row(unit="A", name="a", key="1", status=DONE, done=0, **others):
     row = {"unit": unit, "name": name, "key": key, "status": status, "task": "compare", "model": "m"}
-    return {**dict.fromkeys(SCHEMA.names), **row, "done_at": datetime.fromtimestamp(done, timezone.utc), **others}
+    return complete([{**row, "done_at": datetime.fromtimestamp(done, timezone.utc), **others}])[0]
 
 
 class TestStore:
@@ -206,19 +207,8 @@ class TestUnits:
 
 class TestHistories:
     @staticmethod
-    def a_unit(values, std=1.0, dated=True):
-        at = partial(datetime.fromtimestamp, tz=timezone.utc)
-        rows = [
-            a_row(
-                name=f"week {k}",
-                key=str(k),
-                duration=20.0,
-                time=at(k * 7 * 86400.0) if dated else None,
-                parameters=[{"owner": "backlash", "name": "width", "value": value, "std": std, "unit": "rad"}],
-            )
-            for k, value in enumerate(values)
-        ]
-        return units_of(rows)[0]
+    def a_unit(values, std=1.0, **others):
+        return units_of(weekly(values, std, **others))[0]
 
     def test_a_number_that_stays_has_no_change_and_no_trend(self):
         values = 100.0 + np.random.default_rng(3).normal(size=30)
@@ -319,20 +309,9 @@ class TestHistories:
         values = 100.0 + 1e-5 * np.array([0.3, -0.4, 0.1, 0.2, -0.2, 0.4, -0.1, 0.0])
         assert not stands_still(values) and stands_still(np.where(np.arange(8) < 3, 100.0, values))
 
-    @staticmethod
-    def a_wave(phases, std):
-        """A unit with the phase of a wave: as told, and how sure."""
-        rows = [
-            a_row(
-                name=f"week {k}",
-                key=str(k),
-                parameters=[
-                    {"owner": "sun_runout", "name": "phase", "value": float(phase), "std": float(of), "unit": "rad"}
-                ],
-            )
-            for k, (phase, of) in enumerate(zip(phases, std, strict=True))
-        ]
-        return units_of(rows)[0]
+    def a_wave(self, phases, std):
+        """A unit with the phase of a wave."""
+        return self.a_unit(phases, std, dated=False, owner="sun_runout", name="phase")
 
     def test_the_phase_of_no_wave_is_not_followed(self):
         """A wave of no amplitude has any phase, one of hardly any a phase of half a radian's error."""
@@ -345,10 +324,10 @@ class TestHistories:
     def test_a_phase_beside_half_a_turn_is_no_change_and_one_that_moves_is(self):
         phases = np.pi + 0.05 * np.random.default_rng(12).normal(size=20)
         phases = np.where(phases > np.pi, phases - 2.0 * np.pi, phases)
-        (look,) = outlooks(self.a_wave(phases, np.full(20, 0.05)), {}, healthy=Healthy(8))
+        (look,) = outlooks(self.a_wave(phases, 0.05), {}, healthy=Healthy(8))
         assert np.ptp(phases) > 6.0 and look.change is None
         phases[12:] += 0.8
-        (look,) = outlooks(self.a_wave(phases, np.full(20, 0.05)), {}, healthy=Healthy(8))
+        (look,) = outlooks(self.a_wave(phases, 0.05), {}, healthy=Healthy(8))
         assert look.share is None  # the zero of an angle says nothing
         assert look.change.begin == 12 and look.change.size == pytest.approx(0.8, abs=0.2)
 
@@ -362,7 +341,7 @@ class TestHistories:
         phases[0] = 0.02
         phases[12:] += 0.8
         told = np.where(phases > np.pi, phases - 2.0 * np.pi, phases)
-        (look,) = outlooks(self.a_wave(told, np.full(20, 0.05)), {}, healthy=Healthy(12))
+        (look,) = outlooks(self.a_wave(told, 0.05), {}, healthy=Healthy(12))
         assert look.now - look.history.values[5] == pytest.approx(0.8, abs=0.15)
 
     def test_wear_that_had_begun_before_the_healthy_results_is_told_by_its_limit(self):

@@ -126,6 +126,16 @@ def test_longer_recordings_tell_more():
     assert stds[1] / stds[0] == pytest.approx(0.5, abs=0.15)
 
 
+def test_the_single_inertia_of_a_linear_machine_is_bounded_too():
+    """Its path is not that of its constant; and the true value is that of the simulated machine."""
+    study = Study("emps", ("triangle:0.1:1",), 3.0, search=False)
+    row = swept(*grid([Varied.of("machine.motor_inertia=60")], study, 1), study)
+    assert row["status"] == DONE, row["message"]
+    inertia, *_ = row["bounds"]
+    assert (inertia["owner"], inertia["name"], inertia["value"], inertia["unit"]) == ("machine", "inertia", 60.0, "kg")
+    assert 0.0 < inertia["std"] < 6.0
+
+
 def charts_of(page):
     """The charts of a page, the arrays of their traces as lists."""
     charts = json.loads(re.search(r'<script type="application/json" id="charts">(.*?)</script>', page)[1])

@@ -324,7 +324,7 @@ def test_faults_of_a_real_ball_screw_are_detected_and_named(real):
     seen_as = cache(run_features)  # a run's features are the same beside every baseline
 
     def judge(one, learnt):
-        return judge_run(seen_as(one, learnt.wavelength, learnt.unsigned), learnt)
+        return judge_run(seen_as(one, learnt.wavelength), learnt)
 
     alarms, seen, named, together, tests = [], *({c: [] for c in faults} for _ in range(4))
     for split in splits:

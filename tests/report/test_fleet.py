@@ -2,7 +2,6 @@
 
 import re
 from dataclasses import replace
-from datetime import datetime, timezone
 from urllib.parse import unquote
 
 import numpy as np
@@ -12,7 +11,7 @@ from ema_bench_replay.errors import InputError
 from ema_twin_sim.campaign.feature_courses import feature_courses
 from ema_twin_sim.campaign.healthy import Healthy
 from ema_twin_sim.campaign.histories import outlooks
-from ema_twin_sim.campaign.results import DONE, REFUSED
+from ema_twin_sim.campaign.results import REFUSED
 from ema_twin_sim.campaign.unit_health import sickest_first, unit_health
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.report.fleet import write_fleet
@@ -20,28 +19,13 @@ from ema_twin_sim.views.unit_history import write_unit_history
 from ema_twin_sim.words.unit_health import course_words
 from tests.health_results import health_results
 from tests.rrd_content import RrdContent
-from tests.stored_rows import complete
-
-WEEK = 7 * 86400.0
+from tests.stored_rows import WEEK, complete, weekly
 
 
 def results(unit, wear, drawn):
-    rows = []
-    for week in range(24):
-        width = 2.3e-3 + 1e-5 * drawn.normal() + wear * max(0, week - 10)
-        row = {
-            "key": f"{unit} {week}",
-            "unit": unit,
-            "name": f"week {week}",
-            "task": "fit",
-            "status": DONE,
-            "time": datetime.fromtimestamp(1.7e9 + week * WEEK, timezone.utc),
-            "duration": 20.0,
-            "errors": [],
-            "parameters": [{"owner": "backlash", "name": "width", "value": width, "std": 1e-5, "unit": "rad"}],
-        }
-        rows.append(row)
-    return complete(rows)
+    """Play that is told each week to 10 µrad, and grows by ``wear`` [rad] a week from the tenth on."""
+    widths = 2.3e-3 + 1e-5 * drawn.normal(size=24) + wear * np.maximum(0.0, np.arange(24) - 10.0)
+    return weekly(widths, 1e-5, unit)
 
 
 @pytest.fixture(scope="module")

@@ -204,6 +204,13 @@ def test_every_chart_has_a_place_and_a_unit_on_each_axis(written):
             assert each["traces"]
 
 
+def test_what_captions_call_dotted_is_dotted(written):
+    traces = [trace for chart in charts_of(written) for trace in chart.get("traces", ())]
+    for way, dash in (("forward", "solid"), ("backward", "dot")):
+        curves = [trace["line"] for trace in traces if trace["name"].endswith(way) and trace["line"]["width"] > 0.0]
+        assert curves and {style["dash"] for style in curves} == {dash}
+
+
 def test_curves_are_measured_minus_twin(written, models, recordings):
     charts = charts_of(written)
     linked = [chart for chart in charts if chart["link"] == "time"]

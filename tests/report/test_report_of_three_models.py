@@ -11,7 +11,7 @@ from ema_twin_sim.comparison.compare import compare_all
 from ema_twin_sim.model import save_model
 from ema_twin_sim.quantities import quantity
 from ema_twin_sim.report.content import ROLES, Content, shown
-from ema_twin_sim.report.fitted import check_same_effects, two_values
+from ema_twin_sim.report.difference import check_same_effects, two_values
 from ema_twin_sim.report.page import page
 from ema_twin_sim.views.recording_views import write_views
 from ema_twin_sim.words.findings import read_findings

@@ -28,6 +28,8 @@ WEARS = (*LIMITS, None)
 """What may wear of a unit; one in five stays healthy."""
 HEALTHY_DAYS = 12
 """Test days before anything wears: those that are declared healthy."""
+TESTS = 140
+"""Test days of a life."""
 REPEATS = 3
 """Recordings of a test day."""
 BEGUN = datetime(2024, 1, 8, tzinfo=timezone.utc)
@@ -56,18 +58,18 @@ class WornUnit:
         return units_of(rows)[0]
 
 
-def drawn_unit(seed: int, number: int, wears: str | bool | None = True, tests: int = 140) -> WornUnit:
-    """A unit of a fleet; what wears of it is drawn unless it is said (None: nothing)."""
+def drawn_unit(seed: int, number: int) -> WornUnit:
+    """A unit of a fleet."""
     random = np.random.default_rng((seed, 77, number))
-    worn = WEARS[number % len(WEARS)] if wears is True else wears
-    days = np.cumsum(7.0 + random.integers(-2, 3, size=tests).astype(float)) - 7.0
+    worn = WEARS[number % len(WEARS)]
+    days = np.cumsum(7.0 + random.integers(-2, 3, size=TESTS).astype(float)) - 7.0
     onset = float(random.uniform(days[HEALTHY_DAYS], days[HEALTHY_DAYS + 25]))
     length = float(random.uniform(300.0, 600.0))
-    lost, law, life = np.zeros(tests), "none", np.inf
+    lost, law, life = np.zeros(TESTS), "none", np.inf
     if worn is not None:
         lost, law, life = _lost_margin(random, days, onset, length)
     rows = []
-    held = {path: _values(random, path, lost if path == worn else np.zeros(tests)) for path in LIMITS}
+    held = {path: _values(random, path, lost if path == worn else np.zeros(TESTS)) for path in LIMITS}
     for k, day in enumerate(days):
         if lost[k] > 1.05:
             break  # it has failed
@@ -118,17 +120,8 @@ def _row(number: int, day: float, repeat: int, held: dict[str, np.ndarray]) -> d
     for path, (value, std) in held.items():
         owner, _, of = path.partition(".")
         parameters.append({"owner": owner, "name": of, "value": value, "std": std, "unit": LIMITS[path][2]})
-    return {
-        **dict.fromkeys(SCHEMA.names),
-        "key": name,
-        "unit": f"EMA-{number:03}",
-        "name": name,
-        "task": "fit",
-        "status": DONE,
-        "time": time,
-        "duration": 20.0,
-        "parameters": parameters,
-    }
+    row = {"key": name, "unit": f"EMA-{number:03}", "name": name, "task": "fit", "status": DONE, "duration": 20.0}
+    return {**dict.fromkeys(SCHEMA.names), **row, "time": time, "parameters": parameters}
 
 
 def _day(time: datetime) -> float:

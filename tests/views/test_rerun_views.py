@@ -87,6 +87,12 @@ class TestWhereItFails:
             assert np.corrcoef(across, median["x"])[0, 1] > 1.0 - 1e-9
             assert np.corrcoef(-drawn[:, 1], median["y"])[0, 1] > 1.0 - 1e-9
 
+    def test_curves_of_backward_motion_are_dotted(self, views):
+        at = "/where_it_fails/current/output_position"
+        pieces = {of: len(views.strips(of)) for of in views.entities if of.startswith(at) and "ward" in of}
+        forward, backward = ([n for of, n in pieces.items() if of.endswith(way)] for way in ("forward", "backward"))
+        assert 1 in forward and 1 not in backward  # a curve is one strip, or the many pieces of a dotted one
+
     def test_titles_fit_a_third_of_a_small_window(self, views):
         """They were cut: a view of a third of 1280 pixels has room for some forty letters beside its buttons."""
         titles = {name for name in views.view_names if " against " in name and "gear" not in name}

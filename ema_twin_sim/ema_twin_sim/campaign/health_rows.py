@@ -63,7 +63,6 @@ def run_of(name: str, held: Mapping[str, Any], duration: float | None = None) ->
         ),
         features=features,
         wavelength=_number(held["wavelength"]),
-        unsigned=held["unsigned"],
         motion=(period, travel, top_speed),
         position_unit=held["position_unit"],
         effort_unit=held["effort_unit"],

@@ -173,9 +173,9 @@ def find_jobs(
     of: dict[tuple[str, str], list[tuple[tuple[Path, ...], Place]]] = {}
     strays: list[Path] = []
     no_times: list[InputError] = []
-    count = 0
-    for parts in _found(grouping.folder, skipped, tell):
-        count += 1
+    found = _found(grouping.folder, skipped, tell)
+    count = len(found)
+    for parts in found:
         try:
             place = grouping.place(parts[0])
         except InputError as error:  # one wrong name must not stop the campaign

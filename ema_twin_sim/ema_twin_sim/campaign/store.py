@@ -10,9 +10,8 @@ from __future__ import annotations
 import os
 import platform
 import uuid
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
@@ -31,17 +30,19 @@ if TYPE_CHECKING:
 FOLDER = "results"
 _MANY_FILES = 8  # number of a unit's files from which they are merged
 _PART = ".part"
-_OF_A_TRY = ["key", "status", "done_at"]
 _TRIES = 5  # attempts to read while another process merges files
+_LATEST = f"""
+SELECT * EXCLUDE (whole)
+FROM (SELECT *, bool_and(status = '{DONE}') OVER (PARTITION BY key, done_at) AS whole FROM written)
+QUALIFY rank() OVER (PARTITION BY key ORDER BY whole DESC, done_at DESC) = 1
+"""
+"""The rows of each job's latest try; a try that was done counts before a later one that was not."""
 _RESULTS = f"""
 CREATE VIEW results AS
-SELECT * EXCLUDE (whole) FROM (
-    SELECT * FROM (SELECT *, bool_and(status = '{DONE}') OVER (PARTITION BY key, done_at) AS whole FROM written)
-    QUALIFY rank() OVER (PARTITION BY key ORDER BY whole DESC, done_at DESC) = 1
-)
+SELECT * FROM ({_LATEST})
 QUALIFY row_number() OVER (PARTITION BY unit, name, task, model ORDER BY done_at DESC) = 1
 """
-"""Of each job the rows of the try that ``_latest`` chooses; of a changed recording, those of the latest job."""
+"""Of each job its latest rows; of a changed recording, those of the latest job."""
 _ONE_SCAN = """
 SELECT string_agg(name) FROM duckdb_optimizers()
 WHERE name IN ('window_self_join', 'late_materialization', 'top_n_window_elimination')
@@ -93,10 +94,8 @@ class Store:
 
     def settled(self) -> set[str]:
         """Keys of all jobs that have a try in which nothing failed; only the others need to be done again."""
-        tries: dict[tuple[str, datetime], bool] = {}
-        for key, status, done_at in zip(*(c.to_pylist() for c in self._read(_OF_A_TRY).columns), strict=True):
-            tries[key, done_at] = tries.get((key, done_at), True) and status != FAILED
-        return {key for (key, _), settled in tries.items() if settled}
+        whole = f"SELECT key FROM written GROUP BY key, done_at HAVING bool_and(status != '{FAILED}')"
+        return {row["key"] for row in self._asked(whole)}
 
     def merge_files(self) -> None:
         """Merge the many files of a unit into one, and remove unfinished files of writers that were killed.
@@ -109,11 +108,10 @@ class Store:
             if len(files) < _MANY_FILES:
                 continue
             try:
-                table = _table_of(files)
+                table = _latest(_table_of(files))
             except FileNotFoundError:
                 continue
-            rows = _latest(table.to_pylist())
-            self._write(pa.Table.from_pylist(rows, SCHEMA), rows[0]["unit"])
+            self._write(table, table["unit"][0].as_py())
             for file in files:
                 with suppress(FileNotFoundError):
                     file.unlink()
@@ -136,18 +134,7 @@ class Store:
 
     def rows(self) -> list[dict[str, Any]]:
         """The rows of the view ``results``, by unit, time and name."""
-        import duckdb
-
-        for _ in range(_TRIES):
-            if next(self._each(), None) is None:
-                return []
-            try:
-                with self.query() as database:
-                    found = database.sql("SELECT * FROM results ORDER BY unit, time NULLS LAST, name")
-                    return list(found.to_arrow_table().cast(SCHEMA).to_pylist())
-            except duckdb.Error:  # a listed file was merged with others meanwhile; if one is damaged, this names it
-                self._read(_OF_A_TRY)
-        raise self._changing()
+        return self._asked("SELECT * FROM results ORDER BY unit, time NULLS LAST, name")
 
     def _write(self, table: pa.Table, unit: str) -> None:
         folder = self._files / file_name(unit)
@@ -170,14 +157,20 @@ class Store:
                 ) from None
             raise
 
-    def _read(self, columns: list[str]) -> pa.Table:
-        for _ in range(_TRIES):
-            with suppress(FileNotFoundError):  # of one that was merged with others meanwhile
-                return _table_of([*self._each()], columns)
-        raise self._changing()
+    def _asked(self, sql: str) -> list[dict[str, Any]]:
+        """The rows that a statement selects. Raises InputError if a file is damaged."""
+        import duckdb
 
-    def _changing(self) -> InputError:
-        return InputError(f"{self._files}: its files change while they are read; try again")
+        for _ in range(_TRIES):
+            if next(self._each(), None) is None:
+                return []
+            try:
+                with self.query() as database:
+                    return list(database.sql(sql).to_arrow_table().to_pylist())
+            except duckdb.Error:  # a listed file was merged with others meanwhile; if one is damaged, this names it
+                with suppress(FileNotFoundError):
+                    _table_of([*self._each()])
+        raise InputError(f"{self._files}: its files change while they are read; try again")
 
     def _each(self) -> Iterator[Path]:
         return (file for folder in _listed(self._files) for file in _listed(folder) if file.suffix == ".parquet")
@@ -195,10 +188,10 @@ class Store:
             )
 
 
-def _table_of(files: Sequence[Path], columns: list[str] | None = None) -> pa.Table:
+def _table_of(files: Sequence[Path]) -> pa.Table:
     """All rows of these files. Raises InputError if one is damaged, FileNotFoundError if one has gone."""
     try:
-        return dataset.dataset([str(file) for file in files], SCHEMA, "parquet").to_table(columns).combine_chunks()
+        return dataset.dataset([str(file) for file in files], SCHEMA, "parquet").to_table().combine_chunks()
     except FileNotFoundError:
         raise
     except (pa.ArrowInvalid, OSError) as error:
@@ -238,13 +231,10 @@ def _listed(folder: Path) -> list[Path]:
         return []
 
 
-def _latest(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The rows of each job's latest try; a try that was done counts before a later one that was not."""
-    tries: dict[str, dict[datetime, dict[str, dict[str, Any]]]] = {}
-    for row in rows:
-        tries.setdefault(row["key"], {}).setdefault(row["done_at"], {})[row["name"]] = row
-    found: list[dict[str, Any]] = []
-    for of in tries.values():
-        best = max(of, key=lambda at: (all(row["status"] == DONE for row in of[at].values()), at))
-        found += of[best].values()
-    return found
+def _latest(written: pa.Table) -> pa.Table:
+    """The latest rows of each job, each once, even if others have merged the same files."""
+    import duckdb
+
+    with duckdb.connect() as database:
+        database.register("written", written)
+        return database.sql(f"SELECT DISTINCT ON (key, name) * FROM ({_LATEST})").to_arrow_table().cast(SCHEMA)

@@ -25,14 +25,14 @@ from ..model import Model, load_model
 from ..model.constants import CONSTANTS
 from ..model.model import nearest
 from ..model.model_file import model_files
-from ..model.own_units import shown_entry
+from ..model.own_units import model_in, shown_entry
 from ..simulation.command import parse_command
 from ..simulation.virtual_bench import virtual_bench
 from .campaign import stored
 from .engine import Outcome
 from .jobs import Job
-from .results import DONE, REFUSED
-from .work import Row, blank, discovered, failed
+from .results import DONE
+from .work import Row, blank, discovered, errors_told_in
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -183,7 +183,7 @@ def swept(point: Point, study: Study) -> Row:
     """The row of a point: the effects that a search names, its estimates, and the bounds of their errors."""
     begun = time.perf_counter()
     row = blank(point, VERB, study.model)
-    try:
+    with errors_told_in(row):
         model = load_model(study.model)
         true, lacked = with_settings(model, point.settings)
         row["settings"] = [{"path": path, "value": value, "unit": _unit(true, path)} for path, value in point.settings]
@@ -201,10 +201,6 @@ def swept(point: Point, study: Study) -> Row:
         if study.search:
             row |= discovered(recordings, model)
         row["status"] = DONE
-    except InputError as error:
-        row |= {"status": REFUSED, "message": str(error)}
-    except Exception as error:  # one failing point must not stop the sweep
-        row |= failed(error)
     return row | {"seconds": time.perf_counter() - begun, "done_at": datetime.now(timezone.utc)}
 
 
@@ -227,12 +223,10 @@ def bounds(
     given, own = to_own_units(recordings, model)
     problem = EquationErrorProblem(observe_all(list(given), own))
     hypothesis = null_hypothesis(own)
-    for id in lacked:
-        of, instance = catalogue()[id], true.effects[id]
-        assert own.units is not None  # own units were asked for
-        factors = {p.name: 1.0 if p.periodic else own.units.factor(p.unit) for p in of.parameters}
-        values = {name: value / factors[name] for name, value in instance.parameters.items()}
-        hypothesis = hypothesis.with_effect(id, instance.options, values)
+    assert own.units is not None  # own units were asked for
+    for id, instance in model_in(true, own.units).effects.items():
+        if id in lacked:
+            hypothesis = hypothesis.with_effect(id, instance.options, instance.parameters)
     f = settle(fit(problem, hypothesis))
     sure = standard_errors(f.problem, f, cramer_rao(f.problem, f))
     found = []
@@ -243,18 +237,12 @@ def bounds(
                 told = shown_entry(own, 0.0, std, p.unit, angle=p.periodic)
                 value = true.effects[id].parameters[p.name]
                 found.append({"owner": id, "name": p.name, "value": value, "std": told["std"], "unit": told["unit"]})
-    for owner, numbers in constants(f, sure, model).items():
-        found += [
-            {"owner": owner, "name": name, "value": _true(true, owner, name), "std": of["std"], "unit": of["unit"]}
-            for name, of in numbers.items()
-        ]
+    for owner, numbers in constants(f, sure, true).items():
+        of_effect: Mapping[str, Any] = true.effects[owner].parameters if owner in true.effects else {}
+        for name, of in numbers.items():
+            value = of_effect.get(name, of["nominal"])
+            found.append({"owner": owner, "name": name, "value": value, "std": of["std"], "unit": of["unit"]})
     return found
-
-
-def _true(model: Model, owner: str, name: str) -> float:
-    if owner in model.effects:
-        return model.effects[owner].parameters[name]
-    return model.value(f"{owner}.{name}")
 
 
 def _unit(model: Model, path: str) -> str:

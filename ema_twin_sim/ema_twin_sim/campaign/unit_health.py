@@ -192,8 +192,7 @@ class Learnt:
 
     def judge(self, run: RunFeatures) -> HealthJudgement:
         """Judge by the baseline of the nearest motion, which also says what differs."""
-        baseline = self.kinds[self.kind(run)]
-        return judge_run(run.read_as(baseline.unsigned), baseline)
+        return judge_run(run, self.kinds[self.kind(run)])
 
     def read(self, run: RunFeatures) -> RunFeatures:
         """The run with its effort read as that of the healthy runs, as a magnitude or not, where it leaves a doubt."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from datetime import datetime, timezone
 from functools import lru_cache
 from pathlib import Path
@@ -40,25 +41,19 @@ def judged(job: Job, task: Task, tell: Callable[[str], None] = lambda text: None
     """
     begun = time.perf_counter()
     row = blank(job, task.verb, task.model)
+    recordings: list[Recording] = []
     left_out: list[str] = []
-    try:
+    with errors_told_in(row):
         recordings = _read(job, task, left_out)
-    except InputError as error:
-        rows = [row | {"status": REFUSED, "message": str(error)}]
-    except Exception as error:  # one recording must not stop the campaign
-        rows = [row | failed(error)]
+    if job.apart and len(recordings) > 1:
+        rows = [_judged(row | {"name": _run_name(job, one)}, [one], job, task) for one in recordings]
     else:
-        of_these = (warning for recording in recordings for warning in recording.warnings)
-        for warning in dict.fromkeys([*left_out, *of_these]):
-            tell(warning)
-        if job.apart and len(recordings) > 1:
-            rows = [_judged(row | {"name": _run_name(job, one)}, [one], job, task) for one in recordings]
-        else:
-            rows = [_judged(row, recordings, job, task)]
-        known = {*left_out, *(warning for recording in recordings for warning in recording.warnings)}
-        for warning in dict.fromkeys(w for one in rows if task.verb == HEALTH for w in one.get("warnings") or ()):
-            if warning not in known:
-                tell(warning)
+        rows = [_judged(row, recordings, job, task) if recordings else row]
+    warnings = [*left_out, *(warning for recording in recordings for warning in recording.warnings)]
+    if task.verb == HEALTH:
+        warnings += [warning for one in rows for warning in one.get("warnings") or ()]
+    for warning in dict.fromkeys(warnings):
+        tell(warning)
     seconds = (time.perf_counter() - begun) / len(rows)
     at = datetime.now(timezone.utc)
     for row in rows if left_out else ():
@@ -84,7 +79,7 @@ def _read(job: Job, task: Task, left_out: list[str]) -> list[Recording]:
 
 
 def _judged(row: Row, recordings: Sequence[Recording], job: Job, task: Task) -> Row:
-    try:
+    with errors_told_in(row):
         row |= _of_recordings(recordings)
         row["warnings"] = [warning for recording in recordings for warning in recording.warnings]
         if job.time is not None:
@@ -98,19 +93,24 @@ def _judged(row: Row, recordings: Sequence[Recording], job: Job, task: Task) -> 
             assert model is not None  # all verbs except health have one
             row |= _VERBS[task.verb](recordings, model, task.without)
         row["status"] = DONE
-    except InputError as error:
-        row |= {"status": REFUSED, "message": str(error)}
-    except Exception as error:  # one recording must not stop the campaign
-        row |= failed(error)
     return row
 
 
-def failed(error: Exception) -> Row:
-    """What a row says of an error of this package; or of the machine that it runs on, such as of a disk."""
-    if isinstance(error, OSError):
+@contextmanager
+def errors_told_in(row: Row) -> Iterator[None]:
+    """Tell an error in the row, since one recording or point must not stop all others.
+
+    Errors are of the input, of the machine that this runs on, such as of a disk, or of this package.
+    """
+    try:
+        yield
+    except InputError as error:
+        row |= {"status": REFUSED, "message": str(error)}
+    except OSError as error:
         place = "" if error.filename is None else f"{error.filename}: "
-        return {"status": FAILED, "message": f"{place}{error.strerror or error}; run the command again to retry it"}
-    return {"status": FAILED, "message": f"internal error: {type(error).__name__}: {error}"}
+        row |= {"status": FAILED, "message": f"{place}{error.strerror or error}; run the command again to retry it"}
+    except Exception as error:
+        row |= {"status": FAILED, "message": f"internal error: {type(error).__name__}: {error}"}
 
 
 def _run_name(job: Job, run: Recording) -> str:

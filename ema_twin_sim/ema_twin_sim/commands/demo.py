@@ -56,7 +56,7 @@ def run(
     from ..nodes.live_session import Change
     from ..report.content import ROLES
     from ..views.rerun_view import RerunView
-    from ..views.screen import open_viewer
+    from ..views.screen import start_viewer, why_not_shown
     from ..words.fit_findings import fit_findings_of
     from ..words.sentences import effect_words, fit_sentences
     from .live_error import LINES_ARE, ErrorPrinter
@@ -186,7 +186,8 @@ def run(
     console.print("  .venv/bin/ema-twin init YOUR_*.csv -o mine --torque-constant N_M_PER_A")
     console.print("  .venv/bin/ema-twin discover YOUR_*.csv --map mine_map.yaml --model mine.yaml -o found.yaml")
     console.print("Traces of the Torino bench itself need no init: discover TRACES --model polito_bench -o found.yaml")
-    open_viewer(rrd)
+    if not why_not_shown():
+        start_viewer(str(rrd))
 
 
 def _prepare(output: Path) -> None:

@@ -83,7 +83,7 @@ def run(
 
     from ..model import load_model
     from ..own_effects import load_effects
-    from ..report.fitted import check_same_effects
+    from ..report.difference import check_same_effects
     from ..words.findings import read_findings
     from ..words.fit_findings import read_fit_findings
     from ..words.origin import refuse_foreign

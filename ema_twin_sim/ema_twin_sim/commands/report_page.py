@@ -15,7 +15,7 @@ from ..discovery.discover import Discovery, discover
 from ..model import Model
 from ..report.backwards import backwards
 from ..report.content import Content, shown
-from ..report.fitted import two_values
+from ..report.difference import two_values
 from ..report.page import page
 from ..report.summary import misread
 from ..version import VERSION

@@ -54,7 +54,6 @@ class Baseline:
     features: tuple[str, ...]
     prediction: Prediction  # of the features; those that scale with the effort are divided by the unit's own effort
     scale: float  # the healthy effort against the motion, A or N m
-    sides: tuple[float, float]  # the same, forward and backward
     wavelength: float  # m or rad, of what repeats with the position; NaN if nothing does
     blocks: tuple[BlockLimit, ...]
     false_alarm: float
@@ -93,13 +92,13 @@ def learn(
     ``wavelength``, in the position's unit, is the lead of a screw or 2π of a turning shaft; if it is None, it is found
     from the runs. Raises InputError if the runs do not suffice.
     """
-    judged = [(record, judge_acquisition(record)) for record in records]
-    fit = [(record, acquisition) for record, acquisition in judged if acquisition.fit_to_learn_from]
-    unsigned = mostly_unsigned([(one.unsigned, one.certain_of_sign) for _, one in fit])
     if wavelength is None:
+        judged = [(record, judge_acquisition(record)) for record in records]
+        fit = [(record, acquisition) for record, acquisition in judged if acquisition.fit_to_learn_from]
+        unsigned = mostly_unsigned([acquisition for _, acquisition in fit])
         strokes = [stroke for record, _ in fit for stroke in stroke_efforts(record, unsigned)]
         wavelength = found_wavelength(strokes) if strokes else np.nan
-    return learn_from([run_features(record, wavelength, unsigned) for record in records], false_alarm=false_alarm)
+    return learn_from([run_features(record, wavelength) for record in records], false_alarm=false_alarm)
 
 
 def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM) -> Baseline:
@@ -119,7 +118,7 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
         raise InputError(
             f"healthy recordings of {number} tests are too few to estimate how tests differ; give {FEWEST_TESTS}"
         )
-    unsigned = mostly_unsigned([(run.unsigned, run.otherwise is None) for run in kept])
+    unsigned = mostly_unsigned([run.acquisition for run in kept])
     kept = [run.read_as(unsigned) for run in kept]
     if odd := next((run for run in kept if run.unsigned != unsigned), None):
         raise InputError(f"{odd.name}: {other_sign(odd)}; leave it out of the healthy ones")
@@ -137,7 +136,7 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
         if all(name in values for values in told)
         and (wavelength <= travel or not name.startswith("wave_"))  # a longer wave cannot be told from a trend
     )
-    sides = tuple(_mean_known([features.sides[way] for features in all_features]) for way in (0, 1))
+    sides = [_mean_known([features.sides[way] for features in all_features]) for way in (0, 1)]
     scale = float(np.nanmax(np.abs(sides)))
     values = np.array([_vector(values, names, scale) for values in told])
     sizes = _sizes(told[0], names, travel)
@@ -157,7 +156,6 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
         features=tuple(moving),
         prediction=predict(values, tests).with_scatter_added(added),
         scale=scale,
-        sides=(sides[0], sides[1]),
         wavelength=wavelength,
         blocks=blocks,
         false_alarm=false_alarm,

@@ -210,23 +210,21 @@ def stroke_efforts(record: MotionRecord, unsigned: bool) -> list[tuple[np.ndarra
 
 def _scatter(record: MotionRecord, phases: Phases, wavelength: float, unsigned: bool) -> dict[str, Feature]:
     """Roughness and bumps of the steady strokes, and hunting at rest."""
-    found: dict[str, Feature] = {}
     where = _place(record)
-    whole: list[float] = []
-    fast: list[float] = []
-    slow: list[float] = []
+    scatters: dict[str, Callable[[np.ndarray], float]]
+    scatters = {"roughness": np.std, "fast_roughness": _fast, "slow_roughness": _slow}
+    sizes: dict[str, list[float]] = {name: [] for name in scatters}
     bumps = []
     error = record.position if record.command is None else record.command - record.position
     floors = _floor(record.effort), _floor(record.position)
     for pieces in filter(None, (phases.strokes(1), phases.strokes(-1))):
         left = [_residual(_along(record.effort, p, unsigned)[p.steady], where[p.steady], wavelength) for p in pieces]
         errors = [_residual(error[p.steady], where[p.steady], wavelength) for p in pieces]
-        for scatters, of in ((whole, np.std), (fast, _fast), (slow, _slow)):
-            scatters += [_typical(of, rest, floor) for rest, floor in zip((left, errors), floors, strict=True)]
+        for name, of in scatters.items():
+            sizes[name] += [_typical(of, rest, floor) for rest, floor in zip((left, errors), floors, strict=True)]
         bumps.append(np.mean([_bump(rest) for rest in left]))
     unit = f"({record.effort_unit} {record.position_unit})^0.5"
-    for name, sizes in (("roughness", whole), ("fast_roughness", fast), ("slow_roughness", slow)):
-        found[name] = Feature(float(np.mean(np.log(sizes))), unit, logarithm=True)
+    found = {name: Feature(float(np.mean(np.log(its))), unit, logarithm=True) for name, its in sizes.items()}
     found["bump"] = Feature(float(np.log(np.mean(bumps) + _TINY)), "1", logarithm=True)
     if rests := phases.strokes(0):
         hunting = [

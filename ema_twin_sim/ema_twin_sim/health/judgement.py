@@ -43,19 +43,18 @@ class HealthJudgement:
     words: tuple[str, ...]
     beside: Mapping[str, float] = field(default_factory=dict)  # changes of features that hardly vary, for ``rank``
 
-    @property
-    def unknown(self) -> bool:
-        """Whether something changed that no family of damage is named for."""
-        return self.family is Family.UNKNOWN
-
 
 def judge(record: MotionRecord, baseline: Baseline) -> HealthJudgement:
     """Judge one run of the unit that a baseline was learnt from."""
-    return judge_run(run_features(record, baseline.wavelength, baseline.unsigned), baseline)
+    return judge_run(run_features(record, baseline.wavelength), baseline)
 
 
 def judge_run(run: RunFeatures, baseline: Baseline) -> HealthJudgement:
-    """Judge one run whose features were computed with the wavelength of the baseline."""
+    """Judge one run whose features were computed with the wavelength of the baseline.
+
+    If it is not certain whether its effort is a magnitude, it is read as that of the healthy runs.
+    """
+    run = run.read_as(baseline.unsigned)
     acquisition, features = run.acquisition, run.features
     if features is None:
         return _not_judged(run, baseline, acquisition.findings)

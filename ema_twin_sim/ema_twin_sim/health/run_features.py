@@ -25,11 +25,15 @@ class RunFeatures:
     acquisition: Acquisition
     features: Features | None  # None if the acquisition is not usable
     wavelength: float  # m or rad, of the wave that was fitted; NaN if there is none
-    unsigned: bool  # whether the features are those of a magnitude
     motion: tuple[float, float, float]  # sample period s, travel m or rad, top speed m/s or rad/s
     position_unit: str
     effort_unit: str
     otherwise: Features | None = None  # with the effort read the other way, if its sign is not certain
+
+    @property
+    def unsigned(self) -> bool:
+        """Whether the features are those of a magnitude."""
+        return self.acquisition.unsigned
 
     @property
     def commanded(self) -> bool:
@@ -41,33 +45,28 @@ class RunFeatures:
         if self.otherwise is None or unsigned == self.unsigned:
             return self
         acquisition = self.acquisition.read_as(unsigned)
-        return replace(
-            self, acquisition=acquisition, unsigned=unsigned, features=self.otherwise, otherwise=self.features
-        )
+        return replace(self, acquisition=acquisition, features=self.otherwise, otherwise=self.features)
 
 
-def run_features(record: MotionRecord, wavelength: float, unsigned: bool | None = None) -> RunFeatures:
+def run_features(record: MotionRecord, wavelength: float) -> RunFeatures:
     """Compute the features of a run. ``wavelength`` is in the position's unit, NaN for none.
 
-    ``unsigned`` says whether the effort is a magnitude; None: decided from the run itself. If that leaves a doubt, the
-    features are computed both ways.
+    If it is not certain whether the effort is a magnitude, they are computed both ways.
     """
     acquisition = judge_acquisition(record)
-    if unsigned is not None:
-        acquisition = acquisition.read_as(unsigned)
-    taken = acquisition.unsigned if unsigned is None else unsigned
+    unsigned = acquisition.unsigned
     features, otherwise, motion = None, None, (np.nan, np.nan, np.nan)
     if acquisition.usable:
         phases = phases_of(record)
-        features = features_of(record, wavelength, taken)
-        if unsigned is None and not acquisition.certain_of_sign:
-            otherwise = features_of(record, wavelength, not taken)
+        features = features_of(record, wavelength, unsigned)
+        if not acquisition.certain_of_sign:
+            otherwise = features_of(record, wavelength, not unsigned)
         motion = float(np.median(np.diff(record.time))), phases.travel, phases.top_speed
         if np.isfinite(wavelength) and "wave_depth" not in features.values:
             acquisition = replace(acquisition, findings=(*acquisition.findings, _too_short(phases, record, wavelength)))
     return RunFeatures(
-        record.name, record.test, acquisition, features, wavelength, taken, motion, record.position_unit,
-        record.effort_unit, otherwise,
+        record.name, record.test, acquisition, features, wavelength, motion, record.position_unit, record.effort_unit,
+        otherwise,
     )  # fmt: skip
 
 
@@ -96,15 +95,15 @@ def kinds_of_motion(runs: Iterable[RunFeatures]) -> list[list[RunFeatures]]:
 
 def _by_sign(kind: Sequence[RunFeatures]) -> list[list[RunFeatures]]:
     """Runs of one motion with their effort read as most of those do whose sign is certain, and apart the others."""
-    unsigned = mostly_unsigned([(run.unsigned, run.otherwise is None) for run in kind])
+    unsigned = mostly_unsigned([run.acquisition for run in kind])
     read = [run.read_as(unsigned) for run in kind]
     parts = [[run for run in read if run.unsigned == flag] for flag in (unsigned, not unsigned)]
     return [part for part in parts if part]
 
 
-def mostly_unsigned(signs: Sequence[tuple[bool, bool]]) -> bool:
-    """Whether most efforts are magnitudes, of (whether one is, whether that is certain); the certain ones decide."""
-    flags = [unsigned for unsigned, certain in signs if certain] or [unsigned for unsigned, _ in signs]
+def mostly_unsigned(runs: Sequence[Acquisition]) -> bool:
+    """Whether most efforts are magnitudes; those decide of which it is certain whether they are."""
+    flags = [run.unsigned for run in runs if run.certain_of_sign] or [run.unsigned for run in runs]
     return sum(flags) > 0.5 * len(flags)
 
 

@@ -6,22 +6,15 @@ from ..comparison.closeness import closer
 from ..listing import listed
 from ..words.sentences import effect_words
 from .content import Content, signals_listed
-from .difference import NewEffect, new_effects
 
 _FARTHER = 0.95
 """A model that is fewer times closer than this counts as farther off."""
 
 
-def gone_effects(content: Content) -> list[NewEffect]:
-    """The effects that only the earlier model has."""
-    before, after = content.before_and_after
-    return new_effects(after, before)
-
-
 def backwards(content: Content) -> str:
     """A sentence if the later model lacks effects of the earlier, or is farther from the recordings; else empty."""
     before, after = content.names[:2]
-    gone = list(dict.fromkeys(effect_words(effect.name) for effect in gone_effects(content)))
+    gone = list(dict.fromkeys(effect_words(effect.name) for effect in content.gone))
     farther, everywhere = _farther(content)
     parts = []
     if gone:

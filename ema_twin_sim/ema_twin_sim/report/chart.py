@@ -81,10 +81,19 @@ def label(text: str) -> str:
     return html.escape(text, quote=False)
 
 
-def line(x: np.ndarray, y: np.ndarray, name: str, colour: str, *, width: float = 1.5, **more: Any) -> Trace:
+def line(
+    x: np.ndarray, y: np.ndarray, name: str, colour: str, *, width: float = 1.5, dash: str = "solid", **more: Any
+) -> Trace:
     """A curve."""
-    style = {"color": colour, "width": width}
+    style = {"color": colour, "width": width, "dash": dash}
     return {"type": "scatter", "mode": "lines", "x": x, "y": y, "name": label(name), "line": style, **more}
+
+
+def band(x: np.ndarray, low: np.ndarray, high: np.ndarray, name: str, colour: str) -> list[Trace]:
+    """The shaded area between two curves."""
+    edges = [line(x, y, name, colour, width=0.0, showlegend=False, hoverinfo="skip") for y in (low, high)]
+    edges[1] |= {"fill": "tonexty", "fillcolor": f"{colour}-faint"}
+    return edges
 
 
 def axis(title: str, **more: Any) -> dict[str, Any]:

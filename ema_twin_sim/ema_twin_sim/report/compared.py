@@ -110,33 +110,27 @@ def _choice(
         max(_largest(twin.residual) for twin in (twins[1:] if limited else twins)), first.unit
     )
     measured = first.measured[rows]
-    mode = {"mode": "markers", "marker": {"size": 4}} if besides[0].of_points else {}
+    mode: dict[str, Any] = {"mode": "markers", "marker": {"size": 4}} if besides[0].of_points else {}
 
     def curve(values: np.ndarray, role: str, title: str, axis_name: str, width: float) -> dict[str, Any]:
         return line(at, values, title, role, width=width, yaxis=axis_name, meta=role.removeprefix("@"), **mode)
 
-    traces = [
-        curve(measured / whole, BENCH, "measured", "y", 2.5),
-        *(
-            curve((measured - twin.residual[rows]) / whole, colour, title, "y", 1.4 * width)
-            for twin, colour, title, width in zip(twins, MODELS, names, widths(len(names)), strict=False)
-        ),
-        *(
-            curve(twin.residual[rows] / small, colour, title, "y2", 1.2 * width)
-            for twin, colour, title, width in zip(twins, MODELS, names, widths(len(names)), strict=False)
-        ),
-    ]
+    above = [curve(measured / whole, BENCH, "measured", "y", 2.5)]
+    below = []
+    for twin, colour, title, width in zip(twins, MODELS, names, widths(len(names)), strict=False):
+        residual = twin.residual[rows]
+        above.append(curve((measured - residual) / whole, colour, title, "y", 1.4 * width))
+        below.append(curve(residual / small, colour, title, "y2", 1.2 * width))
     if name == "unexplained_torque":
-        traces[0]["name"] = "torque of the motor, measured"
+        above[0]["name"] = "torque of the motor, measured"
     floor = errors[name]["noise_floor"] / small
-    above, below = ([trace for trace in traces if trace["yaxis"] == at] for at in ("y", "y2"))
     layout = {
         "xaxis": axis(along),
         "yaxis": axis(f"{signal_words(name)} [{unit}]", **(range_beside(above) if limited else {})),
         "yaxis2": axis(f"residual [{of_residual}]", **(range_beside(below, 2.0 * floor) if limited else {})),
         "shapes": [noise_band(floor, "x", "y2")],
     }
-    return {"traces": traces, "layout": layout}
+    return {"traces": [*above, *below], "layout": layout}
 
 
 def abscissa(shown: Beside) -> tuple[np.ndarray, np.ndarray, str]:

@@ -18,7 +18,7 @@ from ..simulation.simulate import DRIVING
 from ..words.findings import Findings
 from ..words.fit_findings import FitFindings
 from .beside import Beside, beside
-from .fitted import TwoValues, two_values
+from .difference import NewEffect, TwoValues, new_effects, two_values
 
 ROLES = ("your model", "with the effects found", "fitted")
 """Names of three models in the tables and legends of a page or view."""
@@ -104,6 +104,16 @@ class Content:
     def before_and_after(self) -> tuple[Model, Model]:
         """The first two models, which the verdict is about."""
         return self.models[0], self.models[1]
+
+    @property
+    def new(self) -> list[NewEffect]:
+        """The effects that only the later model has."""
+        return new_effects(*self.before_and_after, self.findings)
+
+    @property
+    def gone(self) -> list[NewEffect]:
+        """The effects that only the earlier model has."""
+        return new_effects(self.models[1], self.models[0])
 
     @property
     def labels(self) -> tuple[str, ...]:

@@ -107,6 +107,8 @@ def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> st
     changed = [look for look in looks if look.change is not None]
     remarks = [*unit.remarks, *(() if health is None else health.remarks)]
     courses = feature_courses(unit, health)
+    deviations = "in standard deviations of the healthy tests"
+    features = (_figure(look, f"{look.history.name.replace('_', ' ')}, {deviations}") for look in courses)
     of_model = [] if _health_alone(unit) else _of_model(unit, looks, changed)
     leading = [look for look in looks if look.life is not None or look.trend is not None]
     results = result_columns(unit, health)
@@ -125,14 +127,10 @@ def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> st
             "health",
             "Health",
             *of_model,
-            *([] if health is None else [tag("p", _deviations(health))]),
-            tag("div", *map(_figure, looks), *map(_feature_figure, courses), class_="grid"),
+            *([] if health is None else [tag("p", f"Its health: {health_words(health)}.")]),
+            tag("div", *(_figure(look, _number_caption(look)) for look in looks), *features, class_="grid"),
         ),
-        section(
-            "prognosis",
-            "Prognosis",
-            _prognosis(unit, leading, courses),
-        ),
+        section("prognosis", "Prognosis", _prognosis(unit, leading, courses)),
         section("advice", "Advice", items(*_advice(unit, changed, leading, health))),
         section("results", "Results", table(tuple(results), zip(*results.values(), strict=True), words=words)),
     )
@@ -157,11 +155,6 @@ def _prognosis(unit: Unit, leading: Sequence[Outlook], courses: Sequence[Outlook
     if leading or courses:
         return items(*map(_leads, leading), *(f"{capitalised(course_words(look))}." for look in courses))
     return tag("p", "No test deviates, so no trend is followed." if _health_alone(unit) else "No number shows a trend.")
-
-
-def _deviations(health: UnitHealth) -> str:
-    """How its tests compare with its healthy ones, in a sentence."""
-    return f"Its health: {health_words(health)}."
 
 
 def _state(unit: Unit, health: UnitHealth | None) -> str:
@@ -233,13 +226,11 @@ def _advice(unit: Unit, changed: Sequence[Outlook], leading: Sequence[Outlook], 
     return told or ["Nothing to do."]
 
 
-def _feature_figure(look: Outlook) -> Markup:
-    words = f"{look.history.name.replace('_', ' ')}, in standard deviations of the healthy tests"
-    return tag("figure", tag("figcaption", words), history_chart(look))
-
-
-def _figure(look: Outlook) -> Markup:
+def _number_caption(look: Outlook) -> str:
     of = look.history
     last = estimate(float(of.values[-1]), float(of.errors[-1]), of.unit)
-    words = f"{number_words(look)}: healthy {quantity(look.healthy, of.unit)}, last {last}"
-    return tag("figure", tag("figcaption", words), history_chart(look))
+    return f"{number_words(look)}: healthy {quantity(look.healthy, of.unit)}, last {last}"
+
+
+def _figure(look: Outlook, caption: str) -> Markup:
+    return tag("figure", tag("figcaption", caption), history_chart(look))

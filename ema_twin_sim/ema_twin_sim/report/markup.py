@@ -20,9 +20,9 @@ def tag(name: str, *content: str, **attributes: str) -> Markup:
     return Markup(f"<{name}{given}>{joined(content)}</{name}>")
 
 
-def joined(content: Iterable[str], between: str = "") -> Markup:
+def joined(content: Iterable[str]) -> Markup:
     """The parts one after the other."""
-    return Markup(between.join(part if isinstance(part, Markup) else _escaped(part) for part in content))
+    return Markup("".join(part if isinstance(part, Markup) else _escaped(part) for part in content))
 
 
 def _escaped(text: str) -> str:
@@ -69,9 +69,9 @@ def items(*lines: str) -> Markup:
     return tag("ul", *(tag("li", line) for line in lines))
 
 
-def bar(share: float, text: str, kind: str = "") -> Markup:
+def bar(share: float, text: str, kind: str) -> Markup:
     """A bar with a length from 0 to 1, and its number next to it."""
-    length = tag("span", "", class_=f"length {kind}".strip(), style=f"width:{100.0 * min(max(share, 0.0), 1.0):.1f}%")
+    length = tag("span", "", class_=f"length {kind}", style=f"width:{100.0 * min(max(share, 0.0), 1.0):.1f}%")
     return tag("span", tag("span", length, class_="room"), tag("span", text, class_="value"), class_="bar")
 
 

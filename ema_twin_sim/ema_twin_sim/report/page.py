@@ -6,7 +6,7 @@ from ..words.next_recording import recording_words
 from .chart import Charts
 from .compared import compared
 from .content import Content
-from .markup import Markup, joined, section, tag
+from .markup import Markup, capitalised, joined, section, tag
 from .ranking import diagnosis
 from .recordings import held_out, recordings
 from .steps import steps
@@ -58,4 +58,4 @@ def _next(content: Content) -> Markup:
         if suggested != findings.next_recording:  # a command, which is written in small letters
             suggested = f"Record {suggested}"
         line = suggested or "No doubt remains that another recording could resolve."
-    return section("next", "What to record next", tag("p", f"{line[:1].upper()}{line[1:]}"), *told)
+    return section("next", "What to record next", tag("p", capitalised(line)), *told)

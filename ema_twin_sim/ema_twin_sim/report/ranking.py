@@ -19,7 +19,7 @@ from ..words.sentences import (
     verdict_of,
 )
 from .backwards import searched_model
-from .chart import AFTER, BEFORE, RIVAL, Chart, Charts, Trace, axis, line
+from .chart import AFTER, BEFORE, RIVAL, Chart, Charts, Trace, axis, band, line
 from .content import Content
 from .markup import Markup, bar, capitalised, section, swatch, table, tag
 
@@ -141,7 +141,6 @@ def signature_chart(signature: Signature) -> Chart:
     roles = dict(zip(CURVES, (BEFORE, AFTER, RIVAL), strict=True))
     names = "without it", f"with {_plain(signature.title)}", f"with {_plain(signature.runner_up)}"
     said = dict(zip(CURVES, names, strict=True))
-    dashes = {"backward": "dot"}
     traces: list[Trace] = []
     for curve in signature.curves:
         x, (lower, median, upper) = (
@@ -149,20 +148,15 @@ def signature_chart(signature: Signature) -> Chart:
             (np.array(curve[q]) / scale for q in ("lower", "median", "upper")),
         )
         role, name = roles[curve["name"]], said[curve["name"]]
-        edge = {"showlegend": False, "hoverinfo": "skip"}
-        if curve["name"] != "runner_up":
-            traces.append(line(x, lower, name, role, width=0.0, **edge))
-            traces.append(line(x, upper, name, role, width=0.0, fill="tonexty", fillcolor=f"{role}-faint", **edge))
-        style: dict[str, Any] = {
-            "width": 1.5 if curve["name"] == "runner_up" else 2.5,
-            "dash": dashes.get(curve["direction"], "solid"),
-        }
-        traces.append(line(x, median, name, role, **style))
+        rival = curve["name"] == "runner_up"
+        traces += [] if rival else band(x, lower, upper, name, role)
+        dash = "dot" if curve["direction"] == "backward" else "solid"
+        traces.append(line(x, median, name, role, width=1.5 if rival else 2.5, dash=dash))
     against = signature.against.replace("_", " ") + (
         f", folded at order {signature.order:g}" if signature.order is not None else ""
     )
     refused = "" if signature.taken else f" ({REFUSED})"
-    rival = f"; runner-up: {_plain(signature.runner_up)}" if signature.runner_up else ""
+    other = f"; runner-up: {_plain(signature.runner_up)}" if signature.runner_up else ""
     ways = (
         " Forward solid, backward dotted."
         if any(curve["direction"] == "backward" for curve in signature.curves)
@@ -170,7 +164,7 @@ def signature_chart(signature: Signature) -> Chart:
     )
     title = _plain(signature.title)
     left_over = _QUANTITIES.get(signature.left_over, signature.left_over)
-    caption = f"{capitalised(title)}{refused}: {left_over}, against {against}{rival}.{ways}"
+    caption = f"{capitalised(title)}{refused}: {left_over}, against {against}{other}.{ways}"
     layout = {
         "xaxis": axis(f"{against} [{signature.against_unit}]"),
         "yaxis": axis(f"residual [{unit}]", range=[-_HEADROOM * size / scale, _HEADROOM * size / scale]),

@@ -12,6 +12,7 @@ from ..words.findings import UnseenErrors
 from ..words.sentences import by_number
 from .content import Content, Shown, signal_words
 from .markup import Markup, section, table, tag
+from .steps import from_the_given
 from .summary import error_table
 
 
@@ -73,13 +74,11 @@ def _by_recording(shown: Shown, name: str, names: Sequence[str]) -> Markup:
 
 
 def _unseen(unseen: UnseenErrors) -> Markup:
-    given = [unseen.rmse[0], *(values[0] for _, values in unseen.recordings)]
-    refitted = unseen.given is not None and unseen.given != unseen.rmse[0]
-    if unseen.given is not None:
-        given = [unseen.given, *unseen.given_recordings]
+    whole, each = from_the_given(unseen)
+    refitted = len(whole) > len(unseen.rmse)
     rows = [
-        (name, *(quantity(value, unseen.unit) for value in (before, *(values[:1] if refitted else ()), values[-1])))
-        for before, (name, values) in zip([*given[1:], given[0]], [*unseen.recordings, (ALL, unseen.rmse)], strict=True)
+        (name, *(quantity(value, unseen.unit) for value in (*values[: 1 + refitted], values[-1])))
+        for name, values in (*each, (ALL, whole))
     ]
     floor = quantity(unseen.noise_floor, unseen.unit)
     caption = f"RMSE of the {signal_words(unseen.signal)} (the sensors' noise: {floor})"

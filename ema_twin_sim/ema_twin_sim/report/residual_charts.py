@@ -13,7 +13,7 @@ from ..comparison.where import FEWEST_SAMPLES, Stretch
 from ..model import Model
 from ..quantities import axis_unit
 from .axis_limits import hides_the_rest, limit_words, range_beside
-from .chart import FAINT, MODELS, Chart, Trace, axis, label, line, log_axis, noise_band, widths
+from .chart import FAINT, MODELS, Chart, Trace, axis, band, label, line, log_axis, noise_band, widths
 from .content import Shown, signal_words
 
 _BINS = 30
@@ -201,12 +201,8 @@ class _Signal:
             return []
         lower, median, upper = quartiles(residual, rows)
         centres = np.array([np.median(x[found]) for found in rows])
-        edge = {"showlegend": False, "hoverinfo": "skip"}
-        return [
-            line(centres, lower, name, role, width=0.0, **edge),
-            line(centres, upper, name, role, width=0.0, fill="tonexty", fillcolor=f"{role}-faint", **edge),
-            line(centres, median, name, role, width=2.5 * self.widths[role], dash=dash),
-        ]
+        middle = line(centres, median, name, role, width=2.5 * self.widths[role], dash=dash)
+        return [*band(centres, lower, upper, name, role), middle]
 
     def _chart(self, against: str, x: dict[str, object], traces: list[Trace]) -> Chart:
         said = f"Residual of the {self.words} against {against}{self._limit_words()}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import groupby, pairwise
+from typing import Any
 
 import numpy as np
 
@@ -24,11 +25,9 @@ from ..words.sentences import (
     removed_words,
     why_step,
 )
-from .backwards import gone_effects
 from .chart import AFTER, FAINT, Chart, Charts, axis, label, line, log_axis
 from .content import Content, signal_words
-from .difference import NewEffect, moved_numbers, new_effects
-from .fitted import TwoValues, apart
+from .difference import NewEffect, TwoValues, apart, two_values
 from .markup import Markup, section, table, tag
 
 _HEIGHT = 340  # pixels
@@ -72,7 +71,7 @@ def _refit(findings: Findings) -> list[tuple[str, ...]]:
 
 def falling(findings: Findings, unseen: UnseenErrors) -> Chart:
     """RMSE after each step, for all recordings together and for each recording."""
-    whole, each = _from_the_given(unseen)
+    whole, each = from_the_given(unseen)
     scale, unit = axis_unit(max(whole), unseen.unit)
     places = _places(findings, len(unseen.rmse))
     if len(whole) > len(unseen.rmse):
@@ -101,12 +100,12 @@ def falling(findings: Findings, unseen: UnseenErrors) -> Chart:
     return Chart(caption, _HEIGHT, layout, traces, wide=True)
 
 
-def _points(size: int, colour: str) -> dict[str, object]:
+def _points(size: int, colour: str) -> dict[str, Any]:
     """Style of a curve that shows its points."""
     return {"mode": "lines+markers", "marker": {"size": size, "color": colour}}
 
 
-def _from_the_given(unseen: UnseenErrors) -> tuple[tuple[float, ...], list[tuple[str, tuple[float, ...]]]]:
+def from_the_given(unseen: UnseenErrors) -> tuple[tuple[float, ...], list[tuple[str, tuple[float, ...]]]]:
     """(pooled, by recording) RMSE after each step; starts with the unchanged model if its constants were fitted."""
     if unseen.given is None or unseen.given == unseen.rmse[0]:
         return unseen.rmse, list(unseen.recordings)
@@ -128,43 +127,35 @@ def _places(findings: Findings, count: int) -> list[str]:
 def _parameters(content: Content) -> list[Markup]:
     """Tables of the parameters of the effects that were added, and of those that the later model lacks."""
     before, after = content.names[:2]
-    came = new_effects(*content.before_and_after, content.findings)
-    if len(content.models) == 2:
-        told = _of_effects(came, f"Parameters of the effects that only {after} has")
-    else:
-        told = _of_fitted_effects(
-            came, content, "Parameters of the effects found, before and after the fit; ± is one standard error"
-        )
+    came = content.new
+    fitted = len(content.models) > 2
+    caption = f"Parameters of the effects that only {after} has"
+    if fitted:
+        caption = "Parameters of the effects found, before and after the fit; ± is one standard error"
+    told = _of_effects(came, content, caption, fitted=fitted)
     if sentence := output_sentence(content.models[1], [effect.name for effect in came]):
         told = [*told, tag("p", sentence, class_="aside")]
-    return [*told, *_of_effects(gone_effects(content), f"Parameters of the effects that only {before} has")]
+    return [*told, *_of_effects(content.gone, content, f"Parameters of the effects that only {before} has")]
 
 
-def _of_effects(effects: Sequence[NewEffect], caption: str) -> list[Markup]:
+def _of_effects(effects: Sequence[NewEffect], content: Content, caption: str, *, fitted: bool = False) -> list[Markup]:
+    """The parameters of effects: as they are, or as they were found and as they were ``fitted``."""
+    both = {each.path: each for each in content.fitted_numbers}
     rows = []
+    cells: tuple[str, ...]
     for effect in effects:
         for first, name, held in parameter_rows(effect.name, effect.options, effect.parameters):
-            size = "–" if not held["std"] or not held["value"] else f"{100.0 * held['std'] / abs(held['value']):.1f} %"
-            rows.append((*first, name, estimate(held["value"], held["std"], held["unit"]), size))
-    if not rows:
-        return []
-    head = ("effect", "options", "parameter", "value ± standard error", "relative error")
-    return [table(head, rows, words=range(3), caption=caption)]
-
-
-def _of_fitted_effects(effects: Sequence[NewEffect], content: Content, caption: str) -> list[Markup]:
-    """The parameters as they were found and as they were fitted."""
-    fitted = {(each.part, each.name): each for each in content.fitted_numbers}
-    rows = []
-    for effect in effects:
-        for first, name, held in parameter_rows(effect.name, effect.options, effect.parameters):
-            both = fitted.get((effect.name, name))
-            cells = ("the same", "") if both is None else (_estimate(both.fitted), _moved(both))
+            if fitted:
+                moved = both.get(f"{effect.name}.{name}")
+                cells = ("the same", "") if moved is None else (_estimate(moved.after), _moved(moved))
+            else:
+                known = held["std"] and held["value"]
+                cells = (f"{100.0 * held['std'] / abs(held['value']):.1f} %" if known else "–",)
             rows.append((*first, name, _estimate(held), *cells))
     if not rows:
         return []
-    head = ("effect", "options", "parameter", *content.labels[1:], "moved by fitting")
-    return [table(head, rows, words=range(3), caption=caption)]
+    columns = (*content.labels[1:], "moved by fitting") if fitted else ("value ± standard error", "relative error")
+    return [table(("effect", "options", "parameter", *columns), rows, words=range(3), caption=caption)]
 
 
 def _estimate(held: Held) -> str:
@@ -172,9 +163,9 @@ def _estimate(held: Held) -> str:
 
 
 def _moved(both: TwoValues) -> str:
-    if not is_visible(both.found["value"], both.fitted["value"]):
+    if not is_visible(both.before["value"], both.after["value"]):
         return ""
-    moved = change_words({**both.fitted, "nominal": both.found["value"]})
+    moved = change_words({**both.after, "nominal": both.before["value"]})
     return moved if both.differ else f"{moved}, within its standard error".removeprefix(", ")
 
 
@@ -199,13 +190,14 @@ def _constants(content: Content) -> list[Markup]:
 
 def _moved_constants(content: Content) -> dict[str, list[Held]]:
     """By path: the values, in all models, of the numbers that the first model has too and a later one changed."""
-    came = {effect.name for effect in new_effects(*content.before_and_after)}
-    found = dict(moved_numbers(*content.before_and_after, content.findings))
-    fitted = {f"{each.part}.{each.name}": each for each in content.fitted_numbers if each.part not in came}
+    came = {effect.name for effect in content.new}
+    found = {each.path: each for each in two_values(*content.before_and_after, None, content.findings)}
+    fitted = {each.path: each for each in content.fitted_numbers if each.part not in came}
     moved: dict[str, list[Held]] = {}
     for path in dict.fromkeys((*found, *fitted)):
-        second = found[path] if path in found else fitted[path].found
-        moved[path] = [{**second, "value": second.get("nominal", second["value"]), "std": None}, second]
+        second = found[path].after if path in found else fitted[path].before
+        first = found[path].before if path in found else {**second, "std": None}
+        moved[path] = [first, second]
         if len(content.models) > 2:
-            moved[path].append(fitted[path].fitted if path in fitted else second)
+            moved[path].append(fitted[path].after if path in fitted else second)
     return moved

@@ -11,7 +11,7 @@ from ..criteria import NOISY
 from ..effects import catalogue
 from ..listing import few_of, listed, number_of
 from ..quantities import MOST_TIMES, limited_factor, quantity
-from ..words.findings import UnseenErrors
+from ..words.findings import Findings, UnseenErrors
 from ..words.sentences import (
     NO_RUNNER_UP,
     NOT_IN_CATALOGUE,
@@ -26,9 +26,9 @@ from ..words.sentences import (
     why_step,
 )
 from ..words.setpoint_shift import shift_sentence
-from .backwards import backwards, gone_effects, searched_model
+from .backwards import backwards, searched_model
 from .content import Content, Shown, dates, signal_words
-from .difference import NewEffect, new_effects
+from .difference import NewEffect
 from .markup import Markup, capitalised, items, joined, table, tag
 
 WITHIN = 0.5
@@ -40,13 +40,11 @@ def verdict(content: Content) -> str:
     if said := backwards(content):
         return said
     before, after = content.names[:2]
-    new = new_effects(*content.before_and_after, content.findings)
-    findings = content.findings
-    if findings is not None and _agrees(content, new):
-        return verdict_of(findings, before)
-    if not new:
+    if content.findings is not None and _agrees(content):
+        return verdict_of(content.findings, before)
+    if not content.new:
         return f"{after} has no effect that {before} lacks."
-    return f"{before} lacks {listed(effect_words(effect.name) for effect in new)}, which {after} has."
+    return f"{before} lacks {listed(effect_words(effect.name) for effect in content.new)}, which {after} has."
 
 
 def misread(content: Content) -> list[str]:
@@ -91,11 +89,11 @@ def _called(content: Content) -> str:
     return f"Names of the models: {', '.join(f'{name} ({label})' for name, label in pairs)}."
 
 
-def _agrees(content: Content, new: list[NewEffect]) -> bool:
+def _agrees(content: Content) -> bool:
     """Whether the later model has the effects that the search found."""
-    if content.findings is None or gone_effects(content):
+    if content.findings is None or content.gone:
         return False
-    return {effect.effect for effect in new} == set(content.findings.added)
+    return {effect.effect for effect in content.new} == set(content.findings.added)
 
 
 def _lead(content: Content) -> str:
@@ -141,8 +139,7 @@ def _unseen(content: Content) -> UnseenErrors | None:
     if unseen is None or len(unseen.recordings) < 2 or unseen.signal not in content.given.headlines:
         return None
     searched = {name for name, _ in unseen.recordings} == {recording.name for recording in content.given.recordings}
-    new = new_effects(*content.before_and_after, findings)
-    return unseen if searched and new and _agrees(content, new) and math.isfinite(unseen.rmse[-1]) else None
+    return unseen if searched and content.new and _agrees(content) and math.isfinite(unseen.rmse[-1]) else None
 
 
 def _fitted(content: Content) -> str:
@@ -165,7 +162,7 @@ def _card(title: str, *content: str) -> Markup:
 
 
 def _wrong(content: Content) -> list[Markup]:
-    new, gone = new_effects(*content.before_and_after, content.findings), gone_effects(content)
+    new, gone = content.new, content.gone
     if not new and not gone:
         return [tag("p", "Both models have the same effects; only their numbers differ, as listed below.")]
     left_out = [tag("p", f"{content.names[1]} lacks:"), items(*map(_described, gone))] if gone else []
@@ -191,12 +188,11 @@ def _sure(content: Content) -> list[Markup]:
     if findings is None:
         return [tag("p", content.undiagnosed or "Not assessed: no search was made.")]
     lines = []
-    new = new_effects(*content.before_and_after, findings)
-    if not _agrees(content, new):
+    if not _agrees(content):
         said = verdict_of(findings, searched_model(content))
         lines.append(f"A search on these recordings gives a different result from {content.names[1]}: {said}")
     if findings.ranking:
-        lines.append(_probabilities(content))
+        lines.append(_probabilities(findings))
     runners: dict[str, str] = {}
     for step in findings.steps:
         if step.action == "add":
@@ -219,9 +215,7 @@ def _sure(content: Content) -> list[Markup]:
     return [items(*lines)]
 
 
-def _probabilities(content: Content) -> str:
-    findings = content.findings
-    assert findings is not None
+def _probabilities(findings: Findings) -> str:
     found = [entry for entry in findings.ranking if entry.found]
     none, unknown = (100.0 * (share or 0.0) for share in (findings.none, findings.unknown))
     rest = f"{no_effect_words(findings.beyond_noise)} missing: {none:.0f} %, {NOT_IN_CATALOGUE}: {unknown:.0f} %"

@@ -23,19 +23,23 @@ _TYPICAL = 0.98  # quantile of a residual that determines the unit of its axis
 def log_curves(stream: rr.RecordingStream, given: Shown, names: Sequence[str]) -> None:
     """Send the curves of every recording; ``names`` are the models' names."""
     for number, recording in enumerate(given.comparisons[0].recordings):
-        besides = [curves[number] for curves in given.curves]
-        for name in signals_drawn(given):
-            if all(name in beside.curves for beside in besides):
-                at = path_of(ROOT, recording.name, name)
-                _log_signal(stream, at, besides, name, names, recording.signals[name]["noise_floor"])
+        for name, curves in _drawn(given, number):
+            at, floor = path_of(ROOT, recording.name, name), recording.signals[name]["noise_floor"]
+            _log_signal(stream, at, given.curves[0][number], curves, names, floor)
+
+
+def _drawn(given: Shown, number: int) -> list[tuple[str, list[Curves]]]:
+    """The signals that are drawn of a recording, each with the curves of all models."""
+    besides = [recordings[number] for recordings in given.curves]
+    names = [name for name in signals_drawn(given) if all(name in beside.curves for beside in besides)]
+    return [(name, [beside.curves[name] for beside in besides]) for name in names]
 
 
 def _log_signal(
-    stream: rr.RecordingStream, at: str, besides: Sequence[Beside], name: str, models: Sequence[str], floor: float
+    stream: rr.RecordingStream, at: str, of: Beside, curves: Sequence[Curves], models: Sequence[str], floor: float
 ) -> None:
-    along, order, _ = abscissa(besides[0])
-    time = (along - along.min() if besides[0].of_points else along)[order]
-    curves = [beside.curves[name] for beside in besides]
+    along, order, _ = abscissa(of)
+    time = (along - along.min() if of.of_points else along)[order]
     scale, unit = residual_unit(curves)
     style(stream, f"{at}/curves/measured", f"measured [{curves[0].unit}]", MEASURED, 2.5)
     send(stream, f"{at}/curves/measured", time, curves[0].measured[order])
@@ -45,7 +49,8 @@ def _log_signal(
         send(stream, f"{at}/curves{twin}", time, (curve.measured - curve.residual)[order])
         style(stream, f"{at}/residual{twin}", f"− twin: {model}", colour, 1.2)
         send(stream, f"{at}/residual{twin}", time, curve.residual[order] / scale)
-    log_noise(stream, f"{at}/residual", time, floor / scale, unit)
+    style_noise(stream, f"{at}/residual", unit)
+    send_noise(stream, f"{at}/residual", time, floor / scale)
 
 
 def residual_unit(curves: Sequence[Curves]) -> tuple[float, str]:
@@ -54,33 +59,29 @@ def residual_unit(curves: Sequence[Curves]) -> tuple[float, str]:
     return axis_unit(max(sizes, default=0.0), curves[0].unit)
 
 
-def log_noise(stream: rr.RecordingStream, at: str, time: Sequence[float] | np.ndarray, floor: float, unit: str) -> None:
-    """The band of the sensors' noise, one standard deviation to either side, as two lines below ``at``."""
-    for name, level in (("noise_above", floor), ("noise_below", -floor)):
-        entity = f"{at}/{name}"
-        style_noise(stream, entity, unit)
-        send_level(stream, entity, time, level)
+def style_noise(stream: rr.RecordingStream, at: str, unit: str) -> None:
+    """Set how the band of the sensors' noise is drawn: two lines below ``at``."""
+    for side in ("above", "below"):
+        style(stream, f"{at}/noise_{side}", f"± sensors' noise [{unit}]", QUIET, 1.5)
 
 
-def style_noise(stream: rr.RecordingStream, entity: str, unit: str) -> None:
-    """Set how an edge of the noise band is drawn."""
-    style(stream, entity, f"± sensors' noise [{unit}]", QUIET, 1.5)
+def send_noise(stream: rr.RecordingStream, at: str, time: np.ndarray, floor: float) -> None:
+    """Extend that band over the times [s] (n,): one standard deviation to either side."""
+    send_level(stream, f"{at}/noise_above", time, floor)
+    send_level(stream, f"{at}/noise_below", time, -floor)
 
 
 def curves_tab(given: Shown) -> rrb.Container:
     """One tab per recording, in front the one with the largest error of the earlier model; one column per signal."""
     tabs = []
     for number, recording in enumerate(given.comparisons[0].recordings):
-        besides = [curves[number] for curves in given.curves]
-        along = abscissa(besides[0])[2] if besides[0].of_points else ""
+        first = given.curves[0][number]
+        along = abscissa(first)[2] if first.of_points else ""
         columns: list[rrb.Container] = []
-        for name in signals_drawn(given):
-            if all(name in beside.curves for beside in besides):
-                unit = besides[0].curves[name].unit
-                small = residual_unit([beside.curves[name] for beside in besides])[1]
-                room = None if columns else _room([beside.curves[name] for beside in besides])
-                at = path_of(ROOT, recording.name, name)
-                columns.append(signal_column(at, name, unit, small, along, legend=not columns, room=room))
+        for name, curves in _drawn(given, number):
+            at, unit, small = path_of(ROOT, recording.name, name), curves[0].unit, residual_unit(curves)[1]
+            room = None if columns else _room(curves)
+            columns.append(signal_column(at, name, unit, small, along, legend=not columns, room=room))
         tabs.append(rrb.Horizontal(*columns, name=recording.name))
     return rrb.Tabs(*tabs, active_tab=given.telling, name="compare")
 

@@ -92,16 +92,13 @@ def _log_words(stream: rr.RecordingStream, gearing: Gearing, meshes: dict[str, W
     stream.log(f"{ROOT}/words", drawn, static=True)
 
 
-def send_motion(
-    stream: rr.RecordingStream, gearing: Gearing, motion: TrainMotion, strongest: tuple[float, float, float]
-) -> None:
-    """Turn the wheels; colours are strongest at the ``strongest`` torques [N m] of sun, fixed ring and output ring."""
+def send_motion(stream: rr.RecordingStream, gearing: Gearing, motion: TrainMotion, strongest: np.ndarray) -> None:
+    """Turn the wheels; colours are strongest at the ``strongest`` torques [N m] (3,), as in ``TrainMotion``."""
     times = [rr.TimeColumn(TIMELINE, duration=motion.time)]
     stage = -_APART * gearing.face_width
     sun, planets, seconds, ring, output = starting_angles(gearing)
     on_sun, on_ring, on_output = (
-        _colours(torque / most if most else torque)
-        for torque, most in zip((motion.on_sun, motion.on_ring, motion.on_output), strongest, strict=True)
+        _colours(torque / most if most else torque) for torque, most in zip(motion.torques, strongest, strict=True)
     )
     still = np.zeros_like(motion.time)
 
@@ -125,7 +122,7 @@ def send_motion(
         at = gearing.centre_distance * np.column_stack([np.cos(way), np.sin(way)])
         turn(f"planet_{k + 1}", planets[k] + motion.planets[:, k], on_ring, at)
         turn(f"second_planet_{k + 1}", seconds[k] + motion.planets[:, k], on_output, at, stage)
-    for (name, _, _), torque in zip(_TORQUES, (motion.on_sun, motion.on_ring, motion.on_output), strict=True):
+    for (name, _, _), torque in zip(_TORQUES, motion.torques, strict=True):
         send(stream, f"{ROOT}/torque/{name}", motion.time, torque)
 
 
@@ -150,7 +147,7 @@ def _colours(share: np.ndarray) -> np.ndarray:
     return np.column_stack([mixed, np.full(len(mixed), 255.0)]).round().astype(np.uint8)
 
 
-def train_tab(of: str, strongest: tuple[float, float, float], gearing: Gearing, *, simulated: bool) -> rrb.Container:
+def train_tab(of: str, strongest: np.ndarray, gearing: Gearing, *, simulated: bool) -> rrb.Container:
     """The train in 3D, and below it the torques over time; ``of`` says whose motion it shows."""
     reach = 2.0 * gearing.ring_radius
     eye = rrb.EyeControls3D(

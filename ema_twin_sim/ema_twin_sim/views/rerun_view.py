@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Mapping, Sequence
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..model import Model
 from ..plant.planetary.geometry import Gearing
 from ..report.content import signal_words
 from ..simulation.compared_signals import UNITS
-from .beside_curves import signal_column, style_noise
+from .beside_curves import send_noise, signal_column, style_noise
 from .gear_train import log_train, send_motion, train_tab
 from .palette import AFTER, BEFORE, GOOD, MEASURED, RIVAL
 from .recording_views import layout
@@ -88,8 +89,7 @@ class RerunView:
             style(self._stream, f"{ROOT}/{name}/curves/twin", f"twin [{unit}]", BEFORE, 1.5)
             style(self._stream, f"{ROOT}/{name}/residual/twin", f"measured − twin [m{unit}]", BEFORE, 1.2)
             style(self._stream, f"error/{name}", f"{name.replace('_', ' ')} [dB]", _LEVEL_COLOURS[name], 2.0)
-            for side in ("above", "below"):
-                style_noise(self._stream, f"{ROOT}/{name}/residual/noise_{side}", f"m{unit}")
+            style_noise(self._stream, f"{ROOT}/{name}/residual", f"m{unit}")
         style(self._stream, "unexplained_torque", "unexplained torque [mN m]", AFTER, 1.2)
         if self._gearing is not None:
             log_train(self._stream, self._gearing)
@@ -109,9 +109,8 @@ class RerunView:
     def _send_held(self) -> None:
         """Send the held batches as one, since each message has a large fixed cost."""
         held, self._held, self._sent = self._held, [], clock.monotonic()
-        while held:
-            alike = next((k for k, batch in enumerate(held) if _names(batch) != _names(held[0])), len(held))
-            together, held = held[:alike], held[alike:]
+        for _, alike in groupby(held, _names):
+            together = list(alike)
             signals = [
                 {name: np.concatenate([batch[side][name] for batch in together]) for name in together[0][side]}
                 for side in (1, 2, 3)
@@ -133,18 +132,13 @@ class RerunView:
                 send(self._stream, f"{at}/curves/twin", index, twin[name])
             if name in residuals:
                 send(self._stream, f"{at}/residual/twin", index, np.asarray(residuals[name]) * _MILLI)
-                self._send_noise(at, index, self._noise[name] * _MILLI)
+                send_noise(self._stream, f"{at}/residual", index, self._noise[name] * _MILLI)
                 if self._noise[name] > 0.0:
                     send(self._stream, f"error/{name}", index, self._levels(name, index, residuals[name]))
         if "unexplained_torque" in residuals:
             send(self._stream, "unexplained_torque", index, np.asarray(residuals["unexplained_torque"]) * _MILLI)
         if self._gearing is not None:
             self._turn(self._gearing, index, bench, twin)
-
-    def _send_noise(self, at: str, index: np.ndarray, floor: float) -> None:
-        """Extend the noise band to the end of the batch."""
-        for side, level in (("above", floor), ("below", -floor)):
-            send(self._stream, f"{at}/residual/noise_{side}", index[[0, -1]], np.full(2, level))
 
     def _levels(self, name: str, index: np.ndarray, residual: np.ndarray) -> np.ndarray:
         """RMSE over the last second, relative to the sensor's noise floor [dB] (n,)."""
@@ -193,7 +187,7 @@ def _names(batch: _Batch) -> list[list[str]]:
     return [list(signals) for signals in batch[1:]]
 
 
-def _full_colours(gearing: Gearing) -> tuple[float, float, float]:
+def _full_colours(gearing: Gearing) -> np.ndarray:
     return by_ratios(gearing, np.zeros(1), np.zeros(1), np.full(1, _FULL)).strongest
 
 

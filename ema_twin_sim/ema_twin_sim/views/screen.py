@@ -43,14 +43,6 @@ def why_not_shown() -> str:
     return ""
 
 
-def open_viewer(path: Path) -> bool:
-    """Open a rerun recording in its viewer, as a separate process; return whether there was a screen."""
-    if why_not_shown():
-        return False
-    start_viewer(str(path))
-    return True
-
-
 def open_live_viewer() -> str:
     """Open a viewer for live data; return its address, or an empty string if it does not start."""
     viewer = start_viewer("--port", str(_PORT), "--bind", ADDRESS, "--hide-welcome-screen")

@@ -25,8 +25,8 @@ _USUAL = 0.9  # the quantile of torques at which colours are strongest
 class TrainMotion:
     """Angles [rad] since the first sample at times [s] (n,), and torques [N m] of the planets' teeth on the wheels.
 
-    A planet's angle is absolute. A torque is the sum over the planets, positive in the motor's direction; at rest the
-    three add up to zero.
+    A planet's angle is absolute. Torques are those on the sun, the fixed ring and the output ring, each the sum over
+    the planets, positive in the motor's direction; at rest the three add up to zero.
     """
 
     time: np.ndarray
@@ -34,18 +34,13 @@ class TrainMotion:
     carrier: np.ndarray
     planets: np.ndarray  # (n, 3)
     output: np.ndarray
-    on_sun: np.ndarray
-    on_ring: np.ndarray
-    on_output: np.ndarray
+    torques: np.ndarray  # (3, n)
     simulated: bool  # else from the ratios
 
     @property
-    def strongest(self) -> tuple[float, float, float]:
-        """The largest torques [N m] on the sun, the fixed ring and the output ring, without rare peaks."""
-        sun, ring, output = (
-            float(np.nanquantile(np.abs(t), _USUAL)) for t in (self.on_sun, self.on_ring, self.on_output)
-        )
-        return sun, ring, output
+    def strongest(self) -> np.ndarray:
+        """The largest torques [N m] (3,), without rare peaks."""
+        return np.asarray(np.nanquantile(np.abs(self.torques), _USUAL, axis=1))
 
 
 def gearing_shown(model: Model) -> Gearing | None:
@@ -82,18 +77,9 @@ def by_ratios(gearing: Gearing, time: np.ndarray, sun: np.ndarray, torque: np.nd
     """The wheels' motion in a rigid train, from the sun's angles [rad] (n,) and the torque on it [N m] (n,)."""
     carrier = gearing.carrier_ratio * sun
     planet = carrier - gearing.planet_ratio * sun
-    on_sun, on_ring, on_output = _torques(gearing, PLANETS * static_forces(gearing, 1.0) * torque[:, None])
-    return TrainMotion(
-        time,
-        sun,
-        carrier,
-        np.repeat(planet[:, None], PLANETS, axis=1),
-        sun / gearing.ratio,
-        on_sun,
-        on_ring,
-        on_output,
-        simulated=False,
-    )
+    torques = _torques(gearing, PLANETS * static_forces(gearing, 1.0) * torque[:, None])
+    planets = np.repeat(planet[:, None], PLANETS, axis=1)
+    return TrainMotion(time, sun, carrier, planets, sun / gearing.ratio, torques, simulated=False)
 
 
 def _torques(gearing: Gearing, forces: np.ndarray) -> np.ndarray:
@@ -113,15 +99,12 @@ def _simulated(model: Model, gearing: Gearing, recording: Recording, every: int,
         found.append(twin.wheels())
     wheels = [each for each in found if each is not None]
     forces = np.array([each.forces.sum(axis=1) for each in wheels])
-    on_sun, on_ring, on_output = _torques(gearing, forces)
     return TrainMotion(
         recording.time[list(shown)],
         np.array([each.sun_angle for each in wheels]),
         np.array([each.carrier_angle for each in wheels]),
         np.array([each.planet_angles for each in wheels]),
         np.array([each.output_angle for each in wheels]),
-        on_sun,
-        on_ring,
-        on_output,
+        _torques(gearing, forces),
         simulated=True,
     )
