@@ -9,7 +9,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from .criteria import CLEARLY_MORE
+from .criteria import CLEARLY_MORE, NEGLIGIBLE
 
 DEPENDED_ON = ("motor_position", "speed", "load_torque")
 """Signals that a drive's torque depends on at an operating point."""
@@ -45,10 +45,14 @@ def smallest_step(values: np.ndarray, rounding: float = 0.0) -> float:
 def polled_noise(values: np.ndarray) -> float:
     """The same of a sensor that may be polled faster than it updates, so that it repeats each reading.
 
-    If most third differences are therefore zero, only readings that differ from the one before are used. The steps of
-    a staircase are no readings.
+    If most third differences are therefore zero, only readings that differ from the one before are used. Of coarse
+    readings a file's last digit is left of them, far less than the smallest change. The steps of a staircase are no
+    readings.
     """
-    return reading_noise(values) or (0.0 if is_staircase(values) else reading_noise(_differing(values)))
+    noise, changes = reading_noise(values), np.abs(np.diff(values))
+    if noise > NEGLIGIBLE * np.min(changes, initial=np.inf, where=changes > 0.0):
+        return noise
+    return 0.0 if is_staircase(values) else reading_noise(_differing(values))
 
 
 def reading_step(values: np.ndarray) -> float:
