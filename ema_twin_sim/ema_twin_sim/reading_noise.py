@@ -120,7 +120,7 @@ def noise_at_points(values: np.ndarray, over: Sequence[np.ndarray]) -> float:
     ``over`` are what the values may depend on, (n,) each: in the order in which these rise, one within the other, the
     values are smoothest, and that tells least noise. Few levels of one thing may be equal: zero is no noise.
     """
-    orders = [np.arange(len(values)), *(np.lexsort(keys) for keys in permutations(over))]
+    orders = [np.arange(len(values)), *(np.lexsort(keys) for keys in permutations(over) if keys)]
     shown = [noise for order in orders if (noise := reading_noise(values[order])) > 0.0]
     return min(shown, default=0.0)
 

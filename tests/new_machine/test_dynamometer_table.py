@@ -46,3 +46,8 @@ def test_what_is_the_current_to_the_last_digit_is_computed(drafted):
     columns = {"Speed (RPM)": SPEED, "Torque (Nm)": 0.018 * CURRENT, "Current (A)": CURRENT}
     draft = drafted(columns)
     assert "Torque (Nm) → motor_torque" in draft.said and "dynamometer" not in draft.said + draft.map
+
+
+def test_a_torque_alone_tells_what_is_lacking(drafted):
+    """Its noise depends on nothing that was recorded."""
+    assert "No motor position or speed was found" in drafted({"TorqueValue": np.sin(7.0 * SPEED)}).said
