@@ -17,11 +17,13 @@ def quantity(value: float | None, unit: str, digits: int = 3) -> str:
         return f"{value:.{digits}g}{'' if unit == '1' else ' %'}"
     if value == 0.0:
         return f"0 {unit}"
+    if abs(value) < 1e-3 * _PREFIXES[0][0]:  # the rounding of a mean, say: no prefix makes it readable
+        return f"{value:.{digits - 1}e} {unit}"
     scale, prefix = next(
         ((s, p) for s, p in reversed(_PREFIXES) if abs(value) >= s * (1.0 - 0.5 * 10.0**-digits)), _PREFIXES[0]
     )
     number = value / scale
-    decimals = max(0, digits - 1 - math.floor(math.log10(abs(number)))) if number else 0
+    decimals = max(0, digits - 1 - math.floor(math.log10(abs(number))))
     return f"{number:.{decimals}f} {prefix}{unit}"
 
 

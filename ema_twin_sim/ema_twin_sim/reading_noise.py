@@ -9,7 +9,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from .criteria import CLEARLY_MORE
+from .criteria import CLEARLY_MORE, NEGLIGIBLE
 
 DEPENDED_ON = ("motor_position", "speed", "load_torque")
 """Signals that a drive's torque depends on at an operating point."""
@@ -45,10 +45,14 @@ def smallest_step(values: np.ndarray, rounding: float = 0.0) -> float:
 def polled_noise(values: np.ndarray) -> float:
     """The same of a sensor that may be polled faster than it updates, so that it repeats each reading.
 
-    If most third differences are therefore zero, only readings that differ from the one before are used. The steps of
-    a staircase are no readings.
+    If most third differences are therefore zero, only readings that differ from the one before are used. Of coarse
+    readings a file's last digit is left of them, far less than the smallest change. The steps of a staircase are no
+    readings.
     """
-    return reading_noise(values) or (0.0 if is_staircase(values) else reading_noise(_differing(values)))
+    noise, changes = reading_noise(values), np.abs(np.diff(values))
+    if noise > NEGLIGIBLE * np.min(changes, initial=np.inf, where=changes > 0.0):
+        return noise
+    return 0.0 if is_staircase(values) else reading_noise(_differing(values))
 
 
 def reading_step(values: np.ndarray) -> float:
@@ -116,7 +120,7 @@ def noise_at_points(values: np.ndarray, over: Sequence[np.ndarray]) -> float:
     ``over`` are what the values may depend on, (n,) each: in the order in which these rise, one within the other, the
     values are smoothest, and that tells least noise. Few levels of one thing may be equal: zero is no noise.
     """
-    orders = [np.arange(len(values)), *(np.lexsort(keys) for keys in permutations(over))]
+    orders = [np.arange(len(values)), *(np.lexsort(keys) for keys in permutations(over) if keys)]
     shown = [noise for order in orders if (noise := reading_noise(values[order])) > 0.0]
     return min(shown, default=0.0)
 

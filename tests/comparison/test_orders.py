@@ -52,6 +52,14 @@ def test_too_little_motion_has_none():
     assert find_order([part(1e-3 * TIME, lambda a, d: 0.01 * np.sin(a))]) is None
 
 
+def test_turns_from_sample_to_sample_tell_no_order():
+    """Whatever wave is there, its samples are those of any other; and a transform over so many turns takes long."""
+    fast = part(17.0 * 2.0 * np.pi * np.arange(len(TIME)), lambda a, d: 0.01 * np.sin(0.3 * a))
+    assert find_order([fast]) is None and amplitude_spectrum([fast[:2]]) is None
+    slow = part(6.2 * TIME, lambda a, d: 0.01 * np.sin(a))
+    assert find_order([fast, slow]).order == pytest.approx(1.0, abs=0.03)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("order", "turns"), [*itertools.product([0.74, 15.75, 15.7532, 93.411], [20, 300, 1000]), (15.7532, 5000)]

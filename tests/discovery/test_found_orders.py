@@ -9,10 +9,17 @@ import pytest
 
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.search.found_orders import highest_order, is_bend, resolved, written_order
+from ema_twin_sim.discovery.search.found_orders import (
+    highest_order,
+    is_bend,
+    order_candidates,
+    resolved,
+    written_order,
+)
 from ema_twin_sim.identification.candidates import Candidate, candidates
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
+from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.plant.measured_motion import MOTOR_ANGLE, SPEED
 from ema_twin_sim.words.sentences import order_sentences
@@ -170,7 +177,10 @@ def bends(model, command, effect, *options, seconds):
     return [is_bend(f.problem, f, name) for name in f.hypothesis.added]
 
 
-@pytest.mark.parametrize(("turns", "bent"), [(0.8, [True, False]), (1.5, [False, False])])
+@pytest.mark.parametrize(
+    ("turns", "bent"),
+    [(0.8, [True, False]), (1.01, [False, False]), (1.5, [False, False])],  # a sweep of one turn stops 1 % short of it
+)
 def test_a_few_cycles_within_a_part_of_a_turn_are_a_bend(turns, bent, unnamed):
     """Whatever bends the torque over the angle looks like them, until the same comes again."""
     orders = {"order": "6"}, {"order": "12"}
@@ -182,6 +192,30 @@ def test_a_wave_of_the_output_repeats_with_the_turns_of_the_output(turns, bent, 
     """Half a turn of a joint is many turns of its motor; what its arm or other joints do there is no ripple."""
     orders = {"order": "6"}, {"order": "18"}
     assert bends(unnamed, f"sine:{math.pi * turns:g}:0.05", "output_ripple", *orders, seconds=20.0) == bent
+
+
+def test_over_part_of_a_turn_neighbouring_orders_are_one(tmp_path):
+    """The load of a joint goes with its angle as its arm's other joints move; no two orders of it tell that."""
+    place = tmp_path / "joint.yaml"
+    place.write_text(TORQUE_MOTOR)
+    model = load_model(place)
+    for turns, others in ((0.58, False), (1.2, True)):
+        time = np.arange(8_000) * 2e-3
+        angle = math.pi * turns * (1.0 - np.cos(0.9 * time))
+        speed = 0.9 * math.pi * turns * np.sin(0.9 * time)
+        torque = 0.4 * np.gradient(speed, time) + np.sign(speed) + 0.15 * speed + 0.4 * np.sin(5.0 * angle)
+        noise = np.random.default_rng(1).normal(0.0, 1.0, (3, len(time)))
+        signals = {
+            "motor_position": angle + 5e-7 * noise[0],
+            "speed": speed + 2e-4 * noise[1],
+            "current": torque / 8.0 + 0.01 * noise[2],
+        }
+        runs = [Recording("run", np.rint(time * 1e9).astype(np.int64), signals)]
+        own, its_model = to_own_units(runs, model)
+        h = null_hypothesis(its_model).with_effect("cogging", {"order": "4"}, {"torque": 0.0, "phase": 0.3})
+        f = fit(problem_of(own, its_model), h, 0)
+        orders = [c.options["order"] for c in order_candidates(f.problem, f) if c.effect == "cogging"]
+        assert ("5" in orders) is others
 
 
 def test_a_torque_motor_of_many_poles_cogs_in_slow_motion(tmp_path):

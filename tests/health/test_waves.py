@@ -33,6 +33,7 @@ def test_a_wave_is_told_in_percent_of_the_effort(turns):
     assert found["wave_depth"].value == pytest.approx(10.0, abs=1.0) and found["wave_depth"].unit == "%"
     assert not found["wave_depth"].scales
     assert quantity(0.35, "%") == "0.35 %" and quantity(0.0042, "1") == "0.0042"
+    assert quantity(-8.88e-19, "N m") == "-8.88e-19 N m" and quantity(5e-11, "A") == "0.0500 nA"
 
 
 def test_that_the_strokes_are_too_short_for_the_wave_is_said_with_their_length():

@@ -25,6 +25,16 @@ def test_what_never_changes_has_no_noise():
     assert polled_noise(np.full(100, 3.0)) == 0.0
 
 
+def test_the_last_digit_of_coarse_readings_is_no_noise():
+    """A speed in steps of 0.06 rad/s, written with six decimals: in slow motion most third differences are its last."""
+    step, rest, ramp = 2.0 * np.pi / 100.0, np.zeros(1600), np.arange(2400)
+    shaken = ramp + np.rint(np.random.default_rng(5).standard_normal(len(ramp))) * (ramp > 500)
+    exact = step * np.concatenate([rest, shaken])
+    written = np.round(exact, 6)
+    assert polled_noise(written) == pytest.approx(polled_noise(exact), rel=0.01)
+    assert polled_noise(written) > 0.3 * step
+
+
 def logged(seed, seconds=70.0):
     """A joint goes to and fro with long rests, logged every 31 ms or so, and sometimes not for 90 ms."""
     random = np.random.default_rng(seed)

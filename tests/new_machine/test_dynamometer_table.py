@@ -37,3 +37,8 @@ def test_it_is_asked_whose_torque_it_is(drafted, name):
 def test_nothing_is_asked(drafted, columns, signal):
     draft = drafted(columns)
     assert f"→ {signal}" in draft.said and "dynamometer" not in draft.said + draft.map
+
+
+def test_a_torque_alone_tells_what_is_lacking(drafted):
+    """Its noise depends on nothing that was recorded."""
+    assert "No motor position or speed was found" in drafted({"TorqueValue": np.sin(7.0 * SPEED)}).said

@@ -62,3 +62,19 @@ def test_two_unnamed_positions_make_no_gear_ratio_silently(names, asked, drafted
     assert "value: 7," in draft.line("gear_ratio")
     assert ("CHECK" in draft.line("gear_ratio")) == asked
     assert ("no word of their names tells a motor or an output" in draft.said) == asked
+
+
+@pytest.mark.parametrize(
+    ("name", "signal"),
+    [
+        ("qD [deg/s]", "speed"),
+        ("theta_d [rad/s]", "speed"),
+        ("w_d [rad/s]", "speed_setpoint"),
+        ("q_d [deg]", "output_command"),
+    ],
+)
+def test_a_d_beside_a_positions_symbol_is_a_dot_where_the_unit_is_a_speeds(name, signal):
+    """Robots' logs write q, qD and qDD; a desired speed has a speed's symbol, as a desired position a position's."""
+    way = np.degrees(TURNS**2)
+    found = taken({"time [s]": TURNS, "q [deg]": way, name: np.gradient(way, TURNS), "tau [N m]": 1.0 + TURNS})
+    assert found.get(signal) == name

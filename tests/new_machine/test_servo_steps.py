@@ -59,6 +59,14 @@ def test_whole_numbers_with_a_unit_are_not_asked_about(drafted):
     assert "counts_per_revolution" not in drafted(columns).warned
 
 
+@pytest.mark.parametrize(("turned", "asked"), [(4096.0 / (2.0 * np.pi), True), (1.0, False)])
+def test_a_position_faster_than_motors_turn_is_asked_about(turned, asked, drafted):
+    """A drive's estimate between two counts goes in no steps; read as radians, the motor would turn too fast."""
+    way = 20.0 * (TIME + np.sin(TIME)) + 1e-4 * np.random.default_rng(3).standard_normal(len(TIME))
+    columns = {"time [s]": TIME, "pos": turned * way, "current [A]": CURRENT}
+    assert ("faster than most motors turn" in drafted(columns).warned) is asked
+
+
 def test_decimals_are_no_steps():
     columns = logged()
     found = measured({**columns, "present_position": columns["present_position"] + 0.25})

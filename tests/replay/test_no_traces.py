@@ -44,6 +44,12 @@ def test_numbers_of_a_computers_memory_are_no_text_either(tmp_path):
         read_text(tmp_path, b"time,current\n" + np.linspace(0.0, 1.0, 3000).tobytes() + b"\n")
 
 
+def test_json_is_no_table(tmp_path):
+    """Each record's names and numbers were read as the cells of a row."""
+    with pytest.raises(InputError, match="line 1: is JSON; write it as CSV"):
+        read_text(tmp_path, "".join(f'{{"t":{time:.3f},"rpm":{9 * time:.2f}}}\n' for time in TIME))
+
+
 @pytest.mark.parametrize("kind", ["csv", "txt", "tsv", "dat", "asc", "log", "DAT"])
 def test_a_text_is_read_whatever_its_name_ends_in_and_a_binary_file_is_refused(tmp_path, kind):
     file = tmp_path / f"run.{kind}"

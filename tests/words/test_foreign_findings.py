@@ -1,6 +1,7 @@
 """Findings from a file that somebody else may have written: text stays text in the charts, what is wrong is refused."""
 
 import json
+import math
 
 import pytest
 
@@ -49,3 +50,10 @@ def test_titles_of_axes_hold_no_tags(read):
 def test_what_could_not_be_drawn_is_refused(read, changed, named):
     with pytest.raises(InputError, match=rf"found\.json: is not what discover --json.*{named}"):
         read(**changed)
+
+
+def test_an_error_beside_a_noise_of_zero_is_read_as_it_is_written(read):
+    assert read(beyond_noise={"motor_torque": None, "speed": 7.0}).beyond_noise == {
+        "motor_torque": math.inf,
+        "speed": 7.0,
+    }

@@ -123,6 +123,8 @@ def _read(
             text = trace_text(path, file, delimiter)
             body, is_last = next(text.blocks)
             header = text.header
+            if header.text.lstrip().startswith("{"):
+                raise InputError(f"{path}: line {header.line}: is JSON; write it as CSV, with a column for each name")
             rows = RowReader(path, header.text, header.line, body, text.delimiter, number_format, needed, at_ends)
             rows.names_numbers = text.names_numbers
             growing = [Column(np.float64) for _ in rows.header]

@@ -46,10 +46,11 @@ def find_order(
     """The strongest order in parts of (residual, motor angle [rad], direction -1 or 1), each (n,) and moving.
 
     With ``resolved``, a part does not count for orders of which it has fewer than two samples a cycle at its usual top
-    speed: a lower order, or a constant, looks like any of them. None if no part turns far enough.
+    speed: a lower order, or a constant, looks like any of them. None if no part turns far enough, or so slowly that
+    its samples tell any order.
     """
     plain, flipped, samples = np.zeros_like(ORDERS), np.zeros_like(ORDERS), np.zeros_like(ORDERS)
-    used = [part for part in parts if len(part[0]) >= FEWEST_SAMPLES]
+    used = [part for part in parts if _tells_orders(part[1])]
     for residual, angle, direction in used:
         counts = highest_resolved(angle) > ORDERS if resolved else np.full(len(ORDERS), True)
         samples += len(residual) * counts
@@ -93,9 +94,9 @@ def find_order(
 def amplitude_spectrum(parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> np.ndarray | None:
     """Amplitude over ``ORDERS`` of parts of (residual, motor angle [rad]), each (n,) and moving.
 
-    None if no part turns far enough.
+    None if no part turns far enough, or so slowly that its samples tell any order.
     """
-    used = [part for part in parts if len(part[0]) >= FEWEST_SAMPLES]
+    used = [part for part in parts if _tells_orders(part[1])]
     power = np.zeros_like(ORDERS)
     for residual, angle in used:
         power += largest_in_cells(ORDERS, residual, angle, FEWEST_CYCLES)
@@ -105,6 +106,14 @@ def amplitude_spectrum(parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> np.nda
 def _amplitudes(power: np.ndarray, samples: np.ndarray | int) -> np.ndarray:
     """Amplitudes (m,) of waves that have this ``power`` (m,) in so many ``samples`` of all parts together."""
     return np.sqrt(2.0 * power / np.maximum(samples, 1))
+
+
+def _tells_orders(angle: np.ndarray) -> bool:
+    """Whether an angle (n,) [rad] has enough samples, and at its usual top speed two of them in a cycle of some order.
+
+    A motor that turns several times from sample to sample tells none, and its many turns would take minutes.
+    """
+    return len(angle) >= FEWEST_SAMPLES and highest_resolved(angle) > ORDERS[0]
 
 
 def highest_resolved(angle: np.ndarray) -> float:

@@ -79,7 +79,8 @@ def signal_column(read: HeaderWords) -> Column | None:
     axis = next((word for word in words[1:] if word in DIRECT_OR_PHASE), None) if len(words) == 2 else None
     if quantity in ("current", "voltage") and axis is not None:
         return None
-    desired = quantity in ("position", "speed") and "d" in words[1:]
+    # of a position's symbol in the unit of a speed, as in qD [deg/s], the d is the dot
+    desired = quantity in ("position", "speed") and "d" in words[1:] and by_words in (None, quantity)
     of_motor = has_word(words[1:], MOTOR) or has_word(words[:1], "motor|rotor")
     moved = quantity in ("position", "speed") and _is_of_what_is_moved(words)
     shaft = "output" if has_word(words, OUTPUT) or moved else "motor" if of_motor else ""

@@ -13,13 +13,12 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 from ema_bench_replay.units import units_of
 
-from ..criteria import NEGLIGIBLE
-from ..measured.usual_sizes import unusual_sizes
+from ..criteria import NEARLY_ALL, NEGLIGIBLE
+from ..measured.usual_sizes import USUAL, unusual_sizes
 from .steps import is_decimal, smallest_step
 from .usual_counts import usual_counts
 
 _POSITIONS = ("motor_position", "output_position")
-_WORDS = {"deg": "degrees", "rev": "turns", "rad": "radians"}
 
 
 def questions_about_units(
@@ -35,6 +34,7 @@ def questions_about_units(
     yield from _by_whole_numbers(recording, units)
     if not recording.has("speed"):  # with a speed, the distance shows it
         yield from _by_counts(recording, units)
+        yield from _by_rate(recording)
 
 
 def _by_whole_numbers(recording: Recording, units: Mapping[str, str | None]) -> Iterator[str]:
@@ -76,6 +76,22 @@ def _by_counts(recording: Recording, units: Mapping[str, str | None]) -> Iterato
                     f"column in {_WORDS.get(unit, unit)}, and read as {read}?"
                 )
                 return
+
+
+def _by_rate(recording: Recording) -> Iterator[str]:
+    """A question if a position changes faster than motors turn, in more than few samples: a counter starts again."""
+    for signal in ("motor_position", "output_position"):
+        if not recording.has(signal):
+            continue
+        known = np.isfinite(recording.signals[signal])
+        steps = np.abs(np.diff(recording.signals[signal][known])) / np.diff(recording.time[known])
+        fastest = float(np.quantile(steps, NEARLY_ALL)) if len(steps) else 0.0
+        if fastest > USUAL["speed"][1]:
+            yield (
+                f"{recording.name}: {signal} changes by {fastest:.3g} rad/s, faster than most motors turn; does its "
+                "column count an encoder's steps? Then add [counts] to its name, or give `counts_per_revolution` in "
+                "the map; if it is in degrees, add [deg]"
+            )
 
 
 def _step(recording: Recording, signal: str) -> float | None:

@@ -130,7 +130,8 @@ def _read(content: Mapping[str, Any]) -> Findings:
         tuple(_signature(step) for step in content.get("evidence", {}).get("steps", ()) if step["views"]),
         texts(content.get("warnings", ())),
         str(content.get("left_over", "")),
-        {str(name): number(times) for name, times in content.get("beyond_noise", {}).items()},
+        # beside a noise of zero any error is infinite, which JSON holds as null
+        {str(name): math.inf if x is None else number(x) for name, x in content.get("beyond_noise", {}).items()},
         read_origin(content),
         texts(content.get("misread", ())),
     )

@@ -76,9 +76,10 @@ def _beside_another(problem: EquationErrorProblem, f: Fit, order: float) -> bool
 
     Two waves are told apart where one makes more cycles than the other: one more if both are whole, as the motor's own
     are. Any other order must make two more. With fewer it is how the first one swells and fades, where a slow sampling
-    or a filter takes a part of it at high speed.
+    or a filter takes a part of it at high speed; over part of a turn, neighbouring whole orders are a curve's shape.
     """
-    model, apart = f.hypothesis.model(), (1.0 if _is_whole(order) else FEWEST_CYCLES) / max(_turns(problem), 1.0)
+    model = f.hypothesis.model()
+    apart = (1.0 if _is_whole(order) else FEWEST_CYCLES) / max(_turns(problem), NEGLIGIBLE)
     waves = [
         n for n, i in model.active.items() if "order" in i.options and catalogue()[i.effect].depends_on != "encoders"
     ]
@@ -227,7 +228,7 @@ def is_bend(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     if "order" not in instance.options:  # once per turn of the motor, or many times where the current makes it
         return effect.depends_on == "order" and Trait.BY_CURRENT not in effect.traits and _turns(problem) < 1.0
     cycles = _turns(problem) * f.hypothesis.model().motor_order(name)
-    return cycles < min(float(instance.options["order"]), MANY_CYCLES)
+    return cycles < (1.0 - NEGLIGIBLE) * min(float(instance.options["order"]), MANY_CYCLES)
 
 
 def standing_out(problem: EquationErrorProblem, f: Fit, gear_ratio: float | None = None) -> list[str]:
