@@ -19,6 +19,7 @@ from .steps import is_decimal, smallest_step
 from .usual_counts import usual_counts
 
 _POSITIONS = ("motor_position", "output_position")
+_WORDS = {"deg": "degrees", "rev": "turns", "rad": "radians"}
 
 
 def questions_about_units(
@@ -80,7 +81,7 @@ def _by_counts(recording: Recording, units: Mapping[str, str | None]) -> Iterato
 
 def _by_rate(recording: Recording) -> Iterator[str]:
     """A question if a position changes faster than motors turn, in more than few samples: a counter starts again."""
-    for signal in ("motor_position", "output_position"):
+    for signal in _POSITIONS:
         if not recording.has(signal):
             continue
         known = np.isfinite(recording.signals[signal])
