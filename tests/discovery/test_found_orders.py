@@ -21,7 +21,7 @@ from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.model import load_model, save_model
-from ema_twin_sim.plant.measured_motion import MOTOR_ANGLE, SPEED
+from ema_twin_sim.plant.motion import MOTOR_ANGLE, SPEED
 from ema_twin_sim.words.sentences import order_sentences
 from tests.problems import problem_of
 from tests.recorded import record

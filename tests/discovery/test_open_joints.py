@@ -19,7 +19,7 @@ from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.screening import screen
 from ema_twin_sim.identification.uncertainty import covariance
 from ema_twin_sim.measured.scales import to_own_units
-from ema_twin_sim.plant.measured_motion import SPEED
+from ema_twin_sim.plant.motion import SPEED
 from tests.open_motor import open_motor
 from tests.problems import problem_of
 

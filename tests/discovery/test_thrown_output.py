@@ -11,7 +11,8 @@ from ema_twin_sim.identification.excerpt import excerpt
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.observe import observe_all
 from ema_twin_sim.measured.spoilt_samples import counter_jumps
-from ema_twin_sim.plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED
+from ema_twin_sim.plant.measured_motion import REQUIRED
+from ema_twin_sim.plant.motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED
 from ema_twin_sim.simulation.driving_flank import lead
 from tests.problems import problem_of
 from tests.recorded import record

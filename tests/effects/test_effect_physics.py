@@ -11,7 +11,8 @@ from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.identification.prediction import follows_measured_motion
 from ema_twin_sim.model import EffectInstance
-from ema_twin_sim.plant.measured_motion import MOTION, REQUIRED, SPEED, TIME, inverse_dynamics
+from ema_twin_sim.plant.measured_motion import REQUIRED, inverse_dynamics
+from ema_twin_sim.plant.motion import MOTION, SPEED, TIME
 from ema_twin_sim.plant.operating_point import OperatingPoint
 from ema_twin_sim.simulation.assembly import assemble, effect_slots
 from ema_twin_sim.simulation.command import parse_command

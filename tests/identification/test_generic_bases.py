@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.identification.generic_bases import beside_generic_bases
-from ema_twin_sim.plant.measured_motion import SPEED
+from ema_twin_sim.plant.motion import SPEED
 from tests.problems import fit_of
 from tests.recorded import record
 

@@ -14,7 +14,8 @@ from ema_twin_sim.identification.joined_motions import JoinedMotions
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.measured.smoothing import gaussian, smooth_at
 from ema_twin_sim.model import EffectInstance
-from ema_twin_sim.plant.measured_motion import MOTOR_ANGLE, REQUIRED, REQUIRED_TORQUE, SPEED, inverse_dynamics
+from ema_twin_sim.plant.measured_motion import REQUIRED, REQUIRED_TORQUE, inverse_dynamics
+from ema_twin_sim.plant.motion import MOTOR_ANGLE, SPEED
 from ema_twin_sim.plant.output_side import LOW_SPEED
 from ema_twin_sim.simulation.assembly import assemble
 from tests.few_rows import few_rows

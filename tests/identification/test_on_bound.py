@@ -14,7 +14,7 @@ from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.on_bound import TURNED, on_bounds, reached_bound, torque_sign_reversed
 from ema_twin_sim.measured.observe import observe
-from ema_twin_sim.plant.measured_motion import SPEED
+from ema_twin_sim.plant.motion import SPEED
 from tests.large_arm import COULOMB, INERTIA, VISCOUS, open_arm, swings_of
 from tests.problems import fit_of
 from tests.recorded import changed, record

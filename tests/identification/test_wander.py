@@ -16,7 +16,7 @@ from ema_twin_sim.identification.null_hypothesis import null_hypothesis
 from ema_twin_sim.identification.uncertainty import covariance
 from ema_twin_sim.identification.wander import Wander
 from ema_twin_sim.identification.wandering import wandering
-from ema_twin_sim.plant.measured_motion import SPEED
+from ema_twin_sim.plant.motion import SPEED
 from tests.problems import fit_of, problem_of
 from tests.recorded import changed, record
 

@@ -9,7 +9,7 @@ from ema_twin_sim.criteria import HARD
 from ema_twin_sim.fitting.free_parameters import choose_numbers
 from ema_twin_sim.fitting.simulation_misfit import SimulationMisfit
 from ema_twin_sim.measured.observe import observe
-from ema_twin_sim.plant.measured_motion import ACCELERATION
+from ema_twin_sim.plant.motion import ACCELERATION
 from tests.recorded import record
 
 

@@ -7,7 +7,7 @@ from ema_twin_sim import diagnose
 from ema_twin_sim.measured.observe import observe
 from ema_twin_sim.measured.switching_ripple import with_switching_ripple
 from ema_twin_sim.model import load_model
-from ema_twin_sim.plant.measured_motion import SPEED
+from ema_twin_sim.plant.motion import SPEED
 from tests.fidelities import LONGEST
 from tests.recorded import benched
 

@@ -16,7 +16,7 @@ from ema_bench_replay.recording import Recording
 
 from ..measured.smoothed_motion import full_rate
 from ..model import Model
-from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT
+from ..plant.motion import ACCELERATION, MOTOR_CURRENT
 from ..simulation.assembly import Assembly, assemble
 from ..simulation.required import required_torque
 

@@ -27,7 +27,7 @@ from ..identification.uncertainty import held_out
 from ..model import EffectInstance, Model
 from ..model.own_units import in_si, shown_options
 from ..parallel import simulations
-from ..plant.measured_motion import TIME
+from ..plant.motion import TIME
 from ..simulation.compared_signals import ENCODER_DIFFERENCE
 from ..simulation.encoder_difference import with_encoder_difference
 from ..simulation.simulate import choose_input, simulate

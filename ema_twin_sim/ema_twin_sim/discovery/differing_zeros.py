@@ -25,7 +25,7 @@ from ..listing import listed
 from ..measured.order_spectrum import largest_in_cells, refined
 from ..model import Model
 from ..model.own_units import is_linear, shown
-from ..plant.measured_motion import MOTOR_ANGLE
+from ..plant.motion import MOTOR_ANGLE
 from ..quantities import quantity
 from ..simulation.angle_origins import acts_at_an_angle
 

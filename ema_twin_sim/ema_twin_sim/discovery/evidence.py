@@ -21,7 +21,8 @@ from ..identification.fit import Fit
 from ..identification.generic_bases import dependence
 from ..model import Model
 from ..model.own_units import shown
-from ..plant.measured_motion import ACCELERATION, MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME
+from ..plant.measured_motion import REQUIRED
+from ..plant.motion import ACCELERATION, MOTOR_ANGLE, OUTPUT_ANGLE, SPEED, TIME
 from .discover import Discovery
 from .search.trace import Round, Trial, new_names
 

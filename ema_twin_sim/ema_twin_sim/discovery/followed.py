@@ -24,7 +24,7 @@ from ..identification.equation import EquationErrorProblem
 from ..identification.fit import fit, prior_rows
 from ..identification.hypothesis import Hypothesis
 from ..parallel import simulations
-from ..plant.measured_motion import ACCELERATION
+from ..plant.motion import ACCELERATION
 from ..reading_noise import reading_noise
 from ..simulation.sensor_noise import counter_noise
 from ..simulation.simulate_many import simulate_many

@@ -10,7 +10,7 @@ import numpy as np
 from ..criteria import NEARLY_ALL
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
-from ..plant.measured_motion import SPEED
+from ..plant.motion import SPEED
 
 SEARCHED_TO = 2.0  # times the delay that the speeds tell
 

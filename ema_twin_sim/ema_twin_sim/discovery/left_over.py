@@ -10,7 +10,8 @@ from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
 from ..model import Model
 from ..model.own_units import shown
-from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED, TIME
+from ..plant.measured_motion import REQUIRED
+from ..plant.motion import OUTPUT_ANGLE, SPEED, TIME
 from ..quantities import quantity
 from .search.trace import Search
 

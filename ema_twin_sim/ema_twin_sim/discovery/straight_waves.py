@@ -8,7 +8,7 @@ from ..criteria import NEARLY_ALL
 from ..effects import Trait, effects_with
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
-from ..plant.measured_motion import OUTPUT_ANGLE
+from ..plant.motion import OUTPUT_ANGLE
 from ..plant.sensors import angle_error
 
 

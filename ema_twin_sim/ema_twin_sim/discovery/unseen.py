@@ -24,7 +24,7 @@ from ..model.own_units import in_si, shown
 from ..parallel import simulations
 from ..plant.balance import BALANCE_LAG, SETTLED
 from ..plant.counter import COUNTER_LAG
-from ..plant.measured_motion import SPEED, TIME
+from ..plant.motion import SPEED, TIME
 from ..simulation.longest_step import coarse_step
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
 from .search.trace import Search

@@ -17,7 +17,7 @@ from ..identification.fit import Fit
 from ..identification.loads_at_an_angle import Load, loads_at_an_angle, loads_of
 from ..identification.screening import Known
 from ..model import EffectInstance, Model
-from ..plant.measured_motion import MOTOR_ANGLE
+from ..plant.motion import MOTOR_ANGLE
 
 SAME_ROWS = 1e-9  # relative: columns that explain the same but for rounding
 Products = tuple[np.ndarray, np.ndarray]

@@ -24,7 +24,7 @@ from ..measured.sliding import moving_maximum
 from ..model import Model
 from ..model.roles import BRISTLE
 from ..parallel import simulations
-from ..plant.measured_motion import SPEED, TIME
+from ..plant.motion import SPEED, TIME
 from ..simulation.compared_signals import noise_floors
 from ..simulation.longest_step import coarse_step
 from ..simulation.sensor_noise import counter_noise

@@ -13,7 +13,8 @@ from ..measured.smoothing import smooth_at
 from ..model import EffectInstance
 from ..parallel import predictions
 from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE, VISCOUS_COEFFICIENT
-from ..plant.measured_motion import MOTOR_ANGLE, REQUIRED, REQUIRED_OUTPUT, TIME
+from ..plant.measured_motion import REQUIRED, REQUIRED_OUTPUT
+from ..plant.motion import MOTOR_ANGLE, TIME
 from ..plant.sensors import as_encoder_shows
 from ..simulation.assembly import assemble, effect_address, effect_slots, longest_delay
 from .hypothesis import Hypothesis

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..criteria import PART, STANDSTILL
 from ..measured.observation import Observation
-from ..plant.measured_motion import SPEED
+from ..plant.motion import SPEED
 from .equation import EquationErrorProblem
 
 EXCERPT = 4.0  # own s

@@ -12,7 +12,8 @@ import numpy as np
 
 from ..criteria import NEGLIGIBLE
 from ..measured.order_spectrum import largest_in_cells, refined
-from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME
+from ..plant.measured_motion import REQUIRED
+from ..plant.motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED, TIME
 from .basis_columns import at_rows, at_rows_of, hat_columns
 from .equation import EquationErrorProblem
 from .fit import Fit, fit

@@ -15,7 +15,8 @@ from ..effects.effect import Effect
 from ..measured.observation import Observation
 from ..model import EffectInstance
 from ..plant.layout import OUTPUT_TORQUE
-from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED_DRY, TIME
+from ..plant.measured_motion import REQUIRED_DRY
+from ..plant.motion import OUTPUT_ANGLE, TIME
 from ..plant.sensors import angle_error
 from .hypothesis import Hypothesis
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..criteria import CORRELATION, MISSHAPEN, NEARLY_ALL, OUTLIER
 from ..measured.observation import Observation
-from ..plant.measured_motion import SPEED
+from ..plant.motion import SPEED
 from .joined_motions import JoinedMotions
 from .search_limits import Reached, reached
 from .stops import Stops

@@ -15,7 +15,7 @@ import numpy as np
 from ..criteria import ANY_SIZE, NEARLY_ALL, SEARCHED_UP_TO
 from ..effects import Effect, Parameter
 from ..measured.observation import Observation
-from ..plant.measured_motion import ACCELERATION, OUTPUT_ANGLE, SPEED, TIME
+from ..plant.motion import ACCELERATION, OUTPUT_ANGLE, SPEED, TIME
 
 LATEST = 0.02  # own s, of a fieldbus of the reference bench; a later encoder belongs to another machine
 LATEST_SAMPLES = 8.0  # or so many sample periods: electronics are late by cycles, however quick the mechanics are

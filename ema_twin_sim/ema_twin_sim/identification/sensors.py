@@ -13,7 +13,8 @@ import numpy as np
 from ..criteria import BESIDE_IMPACTS, CORRELATION, DEPENDS, INTERPOLATED, MOSTLY, PART, SMALL
 from ..effects import catalogue
 from ..model.roles import SENSOR_DELAY, SENSOR_WAVE
-from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED
+from ..plant.measured_motion import REQUIRED
+from ..plant.motion import OUTPUT_ANGLE, SPEED
 from .candidates import addable
 from .comparable import by_chance
 from .equation import EquationErrorProblem

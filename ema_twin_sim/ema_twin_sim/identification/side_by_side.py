@@ -9,8 +9,8 @@ import numpy as np
 from ..measured.observation import Observation
 from ..measured.smoothing import smooth_many_at
 from ..plant.layout import PLANT
-from ..plant.measured_motion import MOTOR_ANGLE, TIME
 from ..plant.measured_motion_many import LANE, inverse_dynamics_many
+from ..plant.motion import MOTOR_ANGLE, TIME
 from ..plant.sensors import as_encoder_shows
 from ..simulation.assembly import Assembly
 from .prediction import seen_output

@@ -17,7 +17,7 @@ import numpy as np
 from ..criteria import STANDSTILL
 from ..measured.observation import Observation
 from ..measured.smoothing import smooth_at
-from ..plant.measured_motion import ACCELERATION, SPEED
+from ..plant.motion import ACCELERATION, SPEED
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ..criteria import CORRELATION, COST_OF_WANDER
-from ..plant.measured_motion import SPEED, TIME
+from ..plant.motion import SPEED, TIME
 from .basis_columns import at_rows, at_rows_of, hat_columns
 from .equation import EquationErrorProblem
 from .fit import Fit

@@ -16,7 +16,7 @@ from ema_bench_replay.recording import Recording
 from ..criteria import PART, SMALL
 from ..effects import Trait, effects_with
 from ..model import Model
-from ..plant.measured_motion import LOAD, MOTOR_ANGLE, MOTOR_CURRENT, SPEED
+from ..plant.motion import LOAD, MOTOR_ANGLE, MOTOR_CURRENT, SPEED
 from ..reading_noise import reading_noise
 from ..simulation.angle_origins import origins_of
 from ..simulation.assembly import assemble

@@ -10,7 +10,7 @@ from ema_bench_replay.recording import Recording
 
 from ..criteria import CORRELATION, DEPENDS, NOISY
 from ..model import Model
-from ..plant.measured_motion import MOTOR_ANGLE, SPEED
+from ..plant.motion import MOTOR_ANGLE, SPEED
 from ..reading_noise import polled_noise
 from .drive_regression import pieces_in_motion
 from .observation import Observation

@@ -20,7 +20,7 @@ from ..criteria import CHAOTIC, CORRELATION, COUNTED, LEAST_ROWS, NEGLIGIBLE, SH
 from ..listing import number_of
 from ..model import Model
 from ..model.own_units import shown
-from ..plant.measured_motion import ACCELERATION, LOAD, MOTOR_ANGLE, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
+from ..plant.motion import ACCELERATION, LOAD, MOTOR_ANGLE, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
 from ..reading_noise import FEWEST_READINGS, noise_at_points, reading_noise, reading_step
 from ..simulation.angle_origins import origins_of
 from ..simulation.operating_points import doubled, motion_at_points

@@ -15,7 +15,7 @@ from ema_bench_replay.recording import Recording
 
 from ..criteria import CORRELATION, DEPENDS, PART, SMALL
 from ..model import Model
-from ..plant.measured_motion import LOAD, MOTOR_ANGLE, SPEED
+from ..plant.motion import LOAD, MOTOR_ANGLE, SPEED
 from .drive_regression import agreed_sign, brings_energy, least_beside, pieces_in_motion
 from .observation import Observation
 from .robust_regression import robust_regression

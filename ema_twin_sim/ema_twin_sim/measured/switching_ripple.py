@@ -18,7 +18,7 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..model import Model
-from ..plant.measured_motion import LOAD, MOTOR_ANGLE, MOTOR_CURRENT, SPEED
+from ..plant.motion import LOAD, MOTOR_ANGLE, MOTOR_CURRENT, SPEED
 from ..simulation.simulate import simulate
 from .observation import Observation
 from .smoothing import gaussian, smooth

@@ -15,7 +15,7 @@ from ..criteria import FAR_OUT, PART, SMALL, STANDSTILL
 from ..listing import first_of
 from ..model import Model
 from ..model.own_units import shown
-from ..plant.measured_motion import SPEED
+from ..plant.motion import SPEED
 from ..quantities import quantity
 from ..reading_noise import reading_noise, smallest_step
 from ..simulation.behind_motor import of_encoders_alone

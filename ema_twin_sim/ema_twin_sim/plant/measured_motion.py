@@ -12,7 +12,7 @@ from numba import boolean, float64, int64, njit, void
 from .evaluate import evaluate
 from .friction import bristle_share, bristle_step
 from .layout import DRY_LEVEL, VISCOUS_COEFFICIENT
-from .motion import ACCELERATION, LOAD, MOTION, MOTOR_ANGLE, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME  # noqa: F401
+from .motion import ACCELERATION, LOAD, MOTOR_ANGLE, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
 from .operating_point import OperatingPoint, call_effect
 from .output_side import first_output_angle, longest_substep, output_side, output_step, sign
 from .signatures import EFFECTS, PLANTS, TABLE

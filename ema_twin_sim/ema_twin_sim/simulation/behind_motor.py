@@ -18,7 +18,8 @@ from ..effects import catalogue
 from ..effects.catalogue import is_own
 from ..model import Model, reference_bench
 from ..model.own_units import OwnUnits, model_in, recording_in
-from ..plant.measured_motion import MOTION, REQUIRED, inverse_dynamics
+from ..plant.measured_motion import REQUIRED, inverse_dynamics
+from ..plant.motion import MOTION
 from ..plant.output_side import LOW_SPEED
 from ..plant.sensors import as_encoder_shows
 from .angle_origins import origins_of

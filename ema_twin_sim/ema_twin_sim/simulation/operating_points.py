@@ -14,7 +14,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..model import Model
-from ..plant.measured_motion import MOTION, MOTOR_ANGLE, MOTOR_CURRENT, SPEED
+from ..plant.motion import MOTION, MOTOR_ANGLE, MOTOR_CURRENT, SPEED
 from ..reading_noise import reading_noise
 from .assembly import assemble
 from .required import required_torque, twin_of

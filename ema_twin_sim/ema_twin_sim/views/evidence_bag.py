@@ -23,7 +23,7 @@ from ..discovery.discover import Discovery
 from ..discovery.evidence import Compared, compared_fits
 from ..measured.folds import HALF_OF
 from ..model.own_units import shown
-from ..plant.measured_motion import MOTOR_ANGLE, SPEED
+from ..plant.motion import MOTOR_ANGLE, SPEED
 
 
 @dataclass(frozen=True, eq=False)

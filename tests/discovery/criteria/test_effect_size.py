@@ -20,7 +20,7 @@ from ema_twin_sim.criteria import (
 )
 from ema_twin_sim.discovery.criteria import worth
 from ema_twin_sim.discovery.criteria.worth import has_effect_size, is_lacked
-from ema_twin_sim.plant.measured_motion import MOTION, MOTOR_ANGLE
+from ema_twin_sim.plant.motion import MOTION, MOTOR_ANGLE
 from tests.fits_by_hand import a_fit, a_hypothesis, a_problem
 from tests.opened import an_open
 

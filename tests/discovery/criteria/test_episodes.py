@@ -7,7 +7,7 @@ import pytest
 
 from ema_twin_sim.criteria import FAR_OUT
 from ema_twin_sim.discovery.criteria.episodes import HOLES, SHORTEST, Episode, episodes, listed_episodes
-from ema_twin_sim.plant.measured_motion import SPEED, TIME
+from ema_twin_sim.plant.motion import SPEED, TIME
 
 PERIOD, COUNT = 0.01, 1000
 NOISE = 0.02  # N m

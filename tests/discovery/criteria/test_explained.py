@@ -24,7 +24,7 @@ from ema_twin_sim.criteria import (
 )
 from ema_twin_sim.discovery.criteria import explained as explained_module
 from ema_twin_sim.discovery.criteria.explained import apart, coarse, depends, explained, lagging, unexplained
-from ema_twin_sim.plant.measured_motion import SPEED
+from ema_twin_sim.plant.motion import SPEED
 from tests.fits_by_hand import a_fit, a_hypothesis, a_problem
 from tests.opened import an_open
 

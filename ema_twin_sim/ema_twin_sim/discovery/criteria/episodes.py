@@ -10,7 +10,7 @@ import numpy as np
 from ...criteria import FAR_OUT
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
-from ...plant.measured_motion import SPEED, TIME
+from ...plant.motion import SPEED, TIME
 
 SHORTEST = 0.1  # own s
 HOLES = 0.2  # own s within an episode in which rows may be close again, or not judged

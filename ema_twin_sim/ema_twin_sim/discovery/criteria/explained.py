@@ -28,7 +28,7 @@ from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...identification.generic_bases import beside_generic_bases, dependence, fit_with_basis
 from ...identification.screening import screen_generic_bases
-from ...plant.measured_motion import SPEED
+from ...plant.motion import SPEED
 from .plausible import only_constants, strained
 from .worth import largest_rms_reduction, left_over
 

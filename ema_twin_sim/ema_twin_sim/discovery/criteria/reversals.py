@@ -14,7 +14,7 @@ from ...criteria import PART, SMALL
 from ...effects import catalogue
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
-from ...plant.measured_motion import SPEED, TIME
+from ...plant.motion import SPEED, TIME
 
 
 def shows_where_slowest(problem: EquationErrorProblem, f: Fit, name: str) -> bool:

@@ -36,7 +36,7 @@ from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.sensors import delay_of_gearbox, delay_shows
 from ...measured.observation import Observation
 from ...model.roles import BRISTLE, DRY_FRICTION, SENSOR_DELAY, SENSOR_WAVE
-from ...plant.measured_motion import MOTOR_ANGLE
+from ...plant.motion import MOTOR_ANGLE
 
 STRAY_ROWS = 2  # of a recording, or 1 % of it: a single start or spike is no dependence
 FEWEST_CYCLES = 2.0  # of a wave that is seen to repeat

@@ -19,7 +19,7 @@ from ...model import Model
 from ...model.matching import by_torque
 from ...model.model_file import ABSENT
 from ...model.own_units import shown, shown_motion
-from ...plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED
+from ...plant.motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED
 
 _SLACK = {"speed": 1.05, "acceleration": 1.15, "current": 1.1}  # a simulation differs slightly from the bench
 _SLACK_TRAVEL = 0.02  # of the range

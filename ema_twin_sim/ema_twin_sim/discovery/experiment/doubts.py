@@ -22,7 +22,7 @@ from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.screening import screen
 from ...identification.uncertainty import linearised
 from ...model import EffectInstance
-from ...plant.measured_motion import SPEED
+from ...plant.motion import SPEED
 from ..criteria.worth import ENCODER_ONLY, penalised_gain
 from ..search.adding import entrants
 from ..search.rivals import Rivalry

@@ -26,7 +26,7 @@ from ...listing import listed
 from ...measured.observation import Observation
 from ...measured.observe import observe
 from ...model.own_units import shown
-from ...plant.measured_motion import SPEED, TIME
+from ...plant.motion import SPEED, TIME
 from ...simulation.command import parse_command
 from ...simulation.lumped_model import lumped_model
 from ...simulation.stand_in_drive import with_stand_in_drive

@@ -13,7 +13,7 @@ from ...criteria import STANDSTILL
 from ...identification.equation import EquationErrorProblem
 from ...listing import listed
 from ...measured.observation import Observation
-from ...plant.measured_motion import SPEED
+from ...plant.motion import SPEED
 from ..search.rivals import Rivalry
 from ..search.trace import Search
 from .doubts import NOTHING, doubts

@@ -18,7 +18,7 @@ from ...model import Model
 from ...model.own_units import is_linear
 from ...model.roles import SENSOR_WAVE
 from ...plant.layout import OUTPUT_TORQUE
-from ...plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED
+from ...plant.motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED
 from ..criteria.worth import FEWEST_CYCLES
 
 HIGHEST = 160
