@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 
+_MOST = 5  # named in a sentence
 _NUMBER = re.compile(r"\d+(\.\d+)?([eE][+-]?\d+)?")
 
 
@@ -19,15 +20,15 @@ def first_of(names: Sequence[str]) -> str:
     return f"{names[0]} and {len(names) - 1} more" if len(names) > 1 else names[0]
 
 
-def few_of(names: Sequence[str], most: int = 5) -> str:
-    """``a, b, c, d and 3 more``: at most so many."""
-    return listed(names if len(names) <= most else [*names[: most - 1], f"{len(names) - most + 1} more"])
+def few_of(names: Sequence[str]) -> str:
+    """``a, b, c, d and 3 more``: at most five."""
+    return listed(names if len(names) <= _MOST else [*names[: _MOST - 1], f"{len(names) - _MOST + 1} more"])
 
 
-def by_recording(warnings: Iterable[str], most: int = 5) -> list[str]:
-    """Warnings that begin with a recording's name: one for all recordings with the same, naming up to ``most`` of them.
+def by_recording(warnings: Iterable[str]) -> list[str]:
+    """Warnings that begin with a recording's name: one for all recordings with the same, naming up to five of them.
 
-    ``a.csv: text`` and ``b.csv: text`` are ``a.csv and b.csv: text``. If more than ``most`` differ only in numbers, the
+    ``a.csv: text`` and ``b.csv: text`` are ``a.csv and b.csv: text``. If more than five differ only in numbers, the
     first is told, and how many there are.
     """
     of_text: dict[str, list[str]] = {}
@@ -39,11 +40,11 @@ def by_recording(warnings: Iterable[str], most: int = 5) -> list[str]:
         alike.setdefault(_NUMBER.sub("0", text), []).append((text, names))
     found = []
     for told in alike.values():
-        if len(told) > most:
+        if len(told) > _MOST:
             (text, (name, *_)), count = told[0], sum(len(names) for _, names in told)
             found.append(f"{name}{text} (and {count - 1} more like it)")
             continue
-        found += [f"{few_of(names, most)}{text}" for text, names in told]
+        found += [f"{few_of(names)}{text}" for text, names in told]
     return found
 
 

@@ -41,10 +41,10 @@ def solve(case: Case, without: Sequence[str] = ()) -> Verdict:
 def _end_with_parent() -> None:
     """Let a worker end when the process that started it does, even if that was killed."""
     parent = multiprocessing.parent_process()
+    assert parent is not None
 
     def follow() -> None:
-        if parent is not None:
-            parent.join()
+        parent.join()
         os._exit(1)
 
     threading.Thread(target=follow, daemon=True).start()

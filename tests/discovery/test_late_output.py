@@ -13,9 +13,9 @@ from tests.recorded import record
 LATE = {"delay": 0.024}  # s, 12 samples
 
 
-def longest(model, stock):
+def longest(model, stock, excluded=()):
     problem = EquationErrorProblem(observe_all(record(model), stock))
-    return longer_delay(problem, fit(problem, null_hypothesis(stock), 0))
+    return longer_delay(problem, fit(problem, null_hypothesis(stock), 0), excluded)
 
 
 def test_how_late_it_is_shows_in_proportion_to_the_speed(stock):
@@ -36,6 +36,12 @@ def test_how_late_it_is_shows_in_proportion_to_the_speed(stock):
 )
 def test_nothing_else_is_taken_for_a_late_encoder(effect, parameters, stock):
     assert longest(stock.with_effect(effect, parameters), stock) is None
+
+
+def test_a_delay_that_may_not_be_named_is_not_searched_for(stock):
+    machine = stock.with_effect("encoder_delay", LATE)
+    assert longest(machine, stock, ("encoder_delay",)) is None
+    assert longest(machine, stock.with_effect("encoder_delay", {"delay": 0.004})) is None  # the model has one
 
 
 @pytest.mark.slow

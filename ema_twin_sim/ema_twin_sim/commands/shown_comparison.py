@@ -7,12 +7,15 @@ from dataclasses import replace
 
 from rich.markup import escape
 
+from ema_bench_replay.long_columns import is_long
+
 from ..comparison.beyond_noise import beyond_noise, shown_signals
 from ..comparison.compare import Comparison
 from ..comparison.where import FEWEST_SAMPLES, Dependence
 from ..criteria import SMALL
-from ..listing import listed
+from ..listing import few_of, listed
 from ..quantities import quantity
+from ..simulation.compared_signals import ENCODER_DIFFERENCE
 from ..words.at_rest import at_rest_sentence
 from ..words.decisive import decisive_sentence
 from ..words.error_cells import ALL, error_cell, noise_cell
@@ -41,8 +44,11 @@ def show_comparison(comparisons: Sequence[Comparison], labels: Sequence[str] = (
     if comparisons[0].input == "current":
         driving = input_words("current", comparisons[0].overall, comparisons[0].motion)
         say(f"The {driving} drives the twin open loop: its speed and positions drift and are left out (JSON has them).")
-        if "encoder_difference" in comparisons[0].overall:
+        if ENCODER_DIFFERENCE in comparisons[0].overall:
             say("The encoder difference of a model is that of its output driven by the motor's measured motion.")
+        long = [r.name for r in comparisons[0].recordings if is_long(r.samples) and "output_position" in r.signals]
+        if long:
+            say(f"Recordings too long for an encoder difference: {few_of(long)}.")
     for comparison in comparisons:
         torques = {r.name: r.torque_error for r in comparison.recordings if r.torque_error is not None}
         show_torque_errors(torques, comparison.motion, comparison.model if len(comparisons) > 1 else "")

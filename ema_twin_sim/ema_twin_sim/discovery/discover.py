@@ -149,7 +149,7 @@ def discover(
     recordings, model, problem, null, noise = read.recordings, read.model, read.problem, read.null, read.noise
     excluded = excluded_effects(recordings, model, without)
     found, known = _searched(problem, null, excluded, progress)
-    if not known and (longest := longer_delay(problem, found.rounds[0].before)):
+    if not known and (longest := longer_delay(problem, found.rounds[0].before, excluded)):
         progress("an encoder seems to be late: trying longer delays")
         again, known = _searched(problem.with_encoders_late_by(longest), null, excluded, progress)
         found = again if known else found

@@ -25,7 +25,7 @@ from ..model import Model
 from ..model.roles import BRISTLE
 from ..parallel import simulations
 from ..plant.motion import SPEED, TIME
-from ..simulation.compared_signals import noise_floors
+from ..simulation.compared_signals import ENCODER_DIFFERENCE, noise_floors
 from ..simulation.longest_step import coarse_step
 from ..simulation.sensor_noise import counter_noise
 from ..simulation.simulate_many import simulate_many
@@ -38,8 +38,6 @@ LEAPS = 3  # number of times that they are looked for
 MOST_ROWS = 600_000  # rows beyond which samples are skipped
 FINE = 1e12  # counts per turn: counter steps would hide the effect of a small change
 UNMEASURED = 1e-4  # of a signal's size: its noise if the model gives zero
-DIFFERENCE = "encoder_difference"
-"""Output encoder minus motor counter over gear ratio: it does not integrate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,7 +199,7 @@ class SimulationMisfit:
     def _seen(self, twin: Recording, model: Model, k: int) -> np.ndarray:
         signals = dict(twin.signals)
         ratio = model.value("machine.gear_ratio")
-        signals[DIFFERENCE] = signals["output_position"] - signals["motor_position"] / ratio
+        signals[ENCODER_DIFFERENCE] = signals["output_position"] - signals["motor_position"] / ratio
         return np.concatenate([signals[part.signal][part.samples] for part in self._parts if part.recording == k])
 
 
@@ -211,12 +209,11 @@ def _parts(
     """Parts of one recording that are judged: the motion if the current is the input, else also the current."""
     seen = dict(recording.signals)
     floors = noise_floors(model, has_speed=recording.has("speed"), period=recording.sample_period)
-    one = {side: counter_noise(model, side) for side in ("motor", "output")}
     ratio = model.value("machine.gear_ratio")
-    noise = {"current": floors["current"], "speed": floors["speed"], "motor_position": one["motor"]}
+    noise = {"current": floors["current"], "speed": floors["speed"], "motor_position": counter_noise(model, "motor")}
     if recording.has("output_position"):
-        seen[DIFFERENCE] = seen["output_position"] - seen["motor_position"] / ratio
-        noise[DIFFERENCE] = math.hypot(one["output"], one["motor"] / ratio)
+        seen[ENCODER_DIFFERENCE] = seen["output_position"] - seen["motor_position"] / ratio
+        noise[ENCODER_DIFFERENCE] = floors[ENCODER_DIFFERENCE]
     if source == "current":
         del noise["current"]
         if recording.has("speed"):
@@ -234,8 +231,8 @@ def _parts(
         samples = np.flatnonzero(good)
         if not len(samples):
             continue
-        drifts = {"motor_position": [flat, recording.time, motion], DIFFERENCE: [flat]}.get(signal, [])
-        trust = below_shock_limit * settled if signal == DIFFERENCE else below_shock_limit
+        drifts = {"motor_position": [flat, recording.time, motion], ENCODER_DIFFERENCE: [flat]}.get(signal, [])
+        trust = below_shock_limit * settled if signal == ENCODER_DIFFERENCE else below_shock_limit
         size = float(np.sqrt(np.mean(measured[samples] ** 2)))
         found.append(
             _Part(

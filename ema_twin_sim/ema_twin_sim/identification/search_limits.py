@@ -17,7 +17,7 @@ from ..effects import Effect, Parameter
 from ..measured.observation import Observation
 from ..plant.motion import ACCELERATION, OUTPUT_ANGLE, SPEED, TIME
 
-LATEST = 0.02  # own s, of a fieldbus of the reference bench; a later encoder belongs to another machine
+LATEST = 0.02  # own s, of a fieldbus of the reference bench; later ones: discovery/late_output.py
 LATEST_SAMPLES = 8.0  # or so many sample periods: electronics are late by cycles, however quick the mechanics are
 _POWERS = {
     "N m": (0, 0, 0),

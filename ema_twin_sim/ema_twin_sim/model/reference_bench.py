@@ -11,3 +11,4 @@ MOTOR_SPEED = 6.9  # rad/s
 DRUM_SPEED = 10.0  # rad/s, of the drum that represents a linear machine
 OUTPUT_FRICTION = 0.2  # N m: assumed friction that holds an output within backlash, if no torque is recorded
 LONGEST_PERIOD = 0.01  # s: samples closer than this resolve its contact
+SHORTEST_PERIOD = 1e-6  # s: stamps in whole nanoseconds keep samples apart that are no closer

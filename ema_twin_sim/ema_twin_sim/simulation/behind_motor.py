@@ -75,6 +75,7 @@ def typical_units(recordings: Sequence[Recording], model: Model, radius: float |
     period = max(float(time[1] - time[0]) for time, _ in motors)
     # a contact that rings many times between two samples takes long to simulate and shows nothing
     time = max(reference_bench.MOTOR_SPEED * drum / math.sqrt(square), period / reference_bench.LONGEST_PERIOD)
+    time = min(time, period / reference_bench.SHORTEST_PERIOD)  # of a machine that hardly moves
     return OwnUnits(time, inertia * drum**2 / reference_bench.INERTIA / time**2, 1.0, radius)
 
 
@@ -103,7 +104,8 @@ def twin_behind_motor(model: Model, recording: Recording) -> Recording:
         "output_angle": position / model.value("machine.gear_ratio"),
     }
     if told.has("load_torque"):
-        columns["load"] = np.interp(time, told.time, told.signals["load_torque"])
+        measured = np.isfinite(told.signals["load_torque"])
+        columns["load"] = np.interp(time, told.time[measured], told.signals["load_torque"][measured])
     assembly = assemble(model)
     motor_origin, output_origin = origins_of(told, model)
     required = np.empty((len(time), len(REQUIRED)))
@@ -113,8 +115,9 @@ def twin_behind_motor(model: Model, recording: Recording) -> Recording:
     )
     moved = required[:, REQUIRED.index("output")] + (position - angle) / model.value("machine.gear_ratio")
     output = as_encoder_shows(assembly.plant[0], time, moved, output_origin)
-    output = np.interp(told.time, time, output)
-    output[np.isnan(recording.signals["motor_position"])] = np.nan  # a line bridged it: not measured
+    # the difference alone is interpolated; the output of a motor position that was not measured is not known either
+    ratio = model.value("machine.gear_ratio")
+    output = told.signals["motor_position"] / ratio + np.interp(told.time, time, output - position / ratio)
     if np.isnan(output - recording.signals["output_position"]).all():
         raise InputError(
             f"{recording.name}: has no sample that holds motor_position and output_position together; record both at "

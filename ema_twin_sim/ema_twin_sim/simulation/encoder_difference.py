@@ -25,9 +25,11 @@ def with_encoder_difference(
 ) -> tuple[Signals, Signals]:
     """The signals (n,) of a recording and of its twin, which ``source`` drives, with the encoder difference [rad].
 
-    As they are if that is not the current, if a position is missing, or if the recording is too long for the memory.
+    As they are if that is not the current, if a position is missing, if the recording is too long for the memory, or if
+    the model's gear train is simulated tooth by tooth, which ``behind_motor`` does not.
     """
-    if source != "current" or not _holds_both_encoders(recording):
+    toothed = model.kinds["transmission"] == "planetary"
+    if source != "current" or toothed or not holds_both_encoders(recording):
         return recording.signals, twin.signals
     motor = recording.signals["motor_position"] / model.value("machine.gear_ratio")
     pair = (recording.signals["output_position"], twin_behind_motor(model, recording).signals["output_position"])
@@ -39,7 +41,7 @@ def with_encoder_difference(
     )
 
 
-def _holds_both_encoders(recording: Recording) -> bool:
+def holds_both_encoders(recording: Recording) -> bool:
     """Whether some sample of a recording that fits into memory holds both positions."""
     positions = ("motor_position", "output_position")
     if recording.of_points or is_long(len(recording)) or not recording.has(*positions):
