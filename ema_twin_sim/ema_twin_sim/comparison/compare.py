@@ -44,7 +44,7 @@ MIXED = "mixed"
 Signals = dict[str, SignalError]
 
 _Beside = tuple[RunningComparison, dict[str, Stretch], dict[str, DecisiveStretch], dict[str, ShiftSums]]
-_UNITS = ALL_UNITS | {"motor_torque": signal_unit("motor_torque")}
+TRACED_UNITS = ALL_UNITS | {"motor_torque": signal_unit("motor_torque")}
 """Signals traced to a place, including the drive's torque if there is no current."""
 
 
@@ -333,8 +333,8 @@ def _dependences(
     Below ``slow`` [rad/s] there is no direction.
     """
     if model.units is None:
-        return find_dependences(name, _UNITS[name], parts, torque, standstill=slow, direct=model.is_direct)
-    (_, unit), (way, _) = shown(model, 1.0, _UNITS[name]), shown(model, 1.0, "rad")
+        return find_dependences(name, TRACED_UNITS[name], parts, torque, standstill=slow, direct=model.is_direct)
+    (_, unit), (way, _) = shown(model, 1.0, TRACED_UNITS[name]), shown(model, 1.0, "rad")
     native = [in_native_units(model, name, part) for part in parts]
     return find_dependences(name, unit, native, torque, motion="linear", standstill=slow * way)
 
@@ -365,7 +365,7 @@ def shown_errors(model: Model, signals: Signals) -> Signals:
 
 def in_native_units(model: Model, name: str, stretch: Stretch) -> Stretch:
     """Convert a stretch of a drum, with the residual of signal ``name``, to the units of its carriage."""
-    residual, way = shown(model, 1.0, _UNITS[name])[0], shown(model, 1.0, "rad")[0]
+    residual, way = shown(model, 1.0, TRACED_UNITS[name])[0], shown(model, 1.0, "rad")[0]
     factors = {"residual": residual, "speed": way, "motor_angle": way, "output_position": way}
     scaled = {key: times(getattr(stretch, key), by) for key, by in factors.items()}
     return replace(stretch, **scaled)

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..comparison.compare import explained_signals, in_native_units, stretch_of
+from ..comparison.compare import TRACED_UNITS, explained_signals, in_native_units, stretch_of
 from ..comparison.running_comparison import RunningComparison
 from ..comparison.where import Stretch
 from ..measured.scales import standstill, to_rotary_equivalent
 from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
-from ..simulation.compared_signals import ALL_UNITS, driving
+from ..simulation.compared_signals import driving
 from ..simulation.encoder_difference import with_encoder_difference
 from ..simulation.simulate import choose_input, simulate
 
@@ -71,15 +71,16 @@ def _beside(recording: Recording, model: Model, source: str, step: float | None,
     curves, stretches = {}, {}
     place = None
     for name, residual in residuals.items():
+        driven = name in driving(source)
+        measured = measured_signals["current" if name == "unexplained_torque" else name]
+        if name == "unexplained_torque":
+            measured = measured * constant
+        elif name == "current" and by_torque:  # as compare names it
+            name, measured, residual = "motor_torque", measured * constant, residual * constant
         place = in_native_units(model, name, stretch_of(recording, twin, residual, ratio))
-        if name in driving(source):
+        if driven:
             continue
-        torque = name == "unexplained_torque"
-        measured = recording.signals["current"] * constant if torque else measured_signals[name]
-        size, unit = shown(model, 1.0, ALL_UNITS[name])
-        if name == "current" and by_torque:  # as compare names it
-            name, unit, size = "motor_torque", "N m", constant
-            place = replace(place, residual=place.residual * constant)
+        size, unit = shown(model, 1.0, TRACED_UNITS[name])
         curves[name] = Curves(measured * size, residual * size, unit)
         if name in (*explained_signals(source), "motor_torque"):
             stretches[name] = place
