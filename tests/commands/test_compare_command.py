@@ -140,3 +140,13 @@ def test_recordings_of_one_name_are_told_apart(tmp_path, ramp):
     for folder in ("d1", "d2"):
         time, _ = shown.curve(rf"/compare/run\ \({folder}\)/current/curves/measured")
         assert len(time) == len(set(time)) == 501
+
+
+def test_a_model_that_is_closer_in_another_signal_alone_is_said_to_be(tmp_path, ramp):
+    """An encoder's eccentricity that is not there takes nothing from the torque."""
+    right = load_model("polito_bench").with_effect("backlash", {"width": 0.004})
+    save_model(right.with_effect("encoder_eccentricity", {"amplitude": 0.001}), tmp_path / "bent.yaml")
+    save_model(right, tmp_path / "right.yaml")
+    models = ("--model", tmp_path / "bent.yaml", "--model", tmp_path / "right.yaml")
+    said = " ".join(done("compare", ramp, *models, "--input", "current").stdout.split())
+    assert re.search(r"Model right: .* in the unexplained torque; ≥ [\d.]+ × closer in the encoder difference\.", said)

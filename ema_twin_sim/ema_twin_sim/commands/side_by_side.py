@@ -10,6 +10,7 @@ from ..comparison.beyond_noise import shown_signals
 from ..comparison.closeness import Closeness, CloserModel, closer
 from ..comparison.compare import Comparison
 from ..comparison.running_comparison import SignalError
+from ..criteria import CLEARLY_MORE
 from ..listing import listed
 from ..quantities import quantity
 from ..words.error_cells import ALL, closeness_cell, error_cell, noise_cell, number_of_times
@@ -103,11 +104,12 @@ def _in_words(name: str, first: Comparison, other: Comparison) -> str:
     if name not in found.overall:
         return f"Model {other.model}: its {signal} is at the sensors' noise, as is that of {first.model}."
     overall = found.overall[name]
+    besides = "" if overall.times > CLEARLY_MORE else _closer_elsewhere(first, found, name)
     if overall.times < 1.0:
         times = number_of_times(1.0 / overall.times)
         if times == number_of_times(1.0):
-            return f"Model {other.model}: as far off as {first.model} in the {signal}."
-        return f"Model {other.model}: {times} × farther off than {first.model} in the {signal}."
+            return f"Model {other.model}: as far off as {first.model} in the {signal}{besides}."
+        return f"Model {other.model}: {times} × farther off than {first.model} in the {signal}{besides}."
     text = f"Model {other.model}: {closeness_cell(overall)} closer than {first.model} in the {signal}"
     each = sorted((signals[name].times, recording) for recording, signals in found.recordings if name in signals)
     if len(each) > 1:
@@ -115,7 +117,17 @@ def _in_words(name: str, first: Comparison, other: Comparison) -> str:
         least, most = (closeness_cell(at[recording][name]) for _, recording in (each[0], each[-1]))
         if least != most:
             text += f", from {least} ({each[0][1]}) to {most} ({each[-1][1]})"
-    return f"{text}{_farther(first, found)}."
+    return f"{text}{besides}{_farther(first, found)}."
+
+
+def _closer_elsewhere(first: Comparison, found: CloserModel, name: str) -> str:
+    """``; ≥ 92 × closer in the encoder difference``: the signals other than ``name`` in which a model is."""
+    others = {signal: found.overall.get(signal) for signal in shown_signals(first.input, first.overall)}
+    return "".join(
+        f"; {closeness_cell(closeness)} closer in the {signal.replace('_', ' ')}"
+        for signal, closeness in others.items()
+        if signal != name and closeness is not None and closeness.times > CLEARLY_MORE
+    )
 
 
 def _farther(first: Comparison, found: CloserModel) -> str:
