@@ -8,6 +8,7 @@ no effect is accused there.
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 
 import numpy as np
 
@@ -201,20 +202,33 @@ def left_over(problem: EquationErrorProblem, f: Fit) -> list[float]:
 
 
 def _hardly_parts(problem: EquationErrorProblem, before: Fit, after: Fit) -> bool:
-    """Whether almost none of the encoder difference was removed. With open constants nothing stricter can be tested."""
+    """Whether almost none of the encoder difference was removed. With open constants nothing stricter can be tested.
+
+    An error of an encoder is judged by what errors of another kind leave: a delay shifts the readings in time and an
+    angle error by angle, each exactly, so a large one of the one kind leaves nothing that looks like the other.
+    """
     if not after.hypothesis.base.is_open:
         return False
     parted, gone = 0.0, 0.0
-    came = set(after.hypothesis.effects) - set(before.hypothesis.effects)
+    came = {i.effect for n, i in after.hypothesis.added.items() if n not in before.hypothesis.added}
     # An encoder's error may be far larger than the backlash, so backlash is judged by what that error leaves.
     known_errors = not problem.size or not ENCODER_ONLY.isdisjoint(before.hypothesis.effects)
     beside_errors = known_errors and not came.isdisjoint(COMPLIANT_EFFECTS)
+    left = before.raw if beside_errors else problem.measured - _shown_by_other_errors(problem, before, came)
     for part in problem.encoder_parts:
         noise = problem.noise_of_encoders(part)
-        difference = (before.raw if beside_errors else problem.measured)[part] * noise
+        difference = left[part] * noise
         parted += float(np.sum((difference - np.mean(difference)) ** 2)) if len(difference) else 0.0
         gone += float(np.sum((before.raw[part] ** 2 - after.raw[part] ** 2) * noise**2))
     return gone < NEGLIGIBLE * parted
+
+
+def _shown_by_other_errors(problem: EquationErrorProblem, f: Fit, came: Collection[str]) -> np.ndarray:
+    """Rows (m,) that a fit's encoder errors of other kinds than those that ``came`` predict, if only these came."""
+    others = [n for n, i in f.hypothesis.added.items() if i.effect in ENCODER_ONLY and i.effect not in came]
+    if not others or not ENCODER_ONLY.issuperset(came):
+        return np.zeros(problem.rows)
+    return f.predicted.rows - problem.predict(f.hypothesis.without(*others)).rows
 
 
 def _too_large(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
