@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection
+from dataclasses import replace
 
 import numpy as np
 
@@ -225,10 +226,12 @@ def _hardly_parts(problem: EquationErrorProblem, before: Fit, after: Fit) -> boo
 
 def _shown_by_other_errors(problem: EquationErrorProblem, f: Fit, came: Collection[str]) -> np.ndarray:
     """Rows (m,) that a fit's encoder errors of other kinds than those that ``came`` predict, if only these came."""
-    others = [n for n, i in f.hypothesis.added.items() if i.effect in ENCODER_ONLY and i.effect not in came]
-    if not others or not ENCODER_ONLY.issuperset(came):
+    h, others = f.hypothesis, ENCODER_ONLY - {*came}
+    if not ENCODER_ONLY.issuperset(came) or others.isdisjoint(h.held):
         return np.zeros(problem.rows)
-    return f.predicted.rows - problem.predict(f.hypothesis.without(*others)).rows
+    base = replace(h.base, effects={n: i for n, i in h.base.effects.items() if i.effect not in others})
+    less = replace(h, base=base).without(*(n for n, i in h.added.items() if i.effect in others))
+    return f.predicted.rows - problem.predict(less).rows
 
 
 def _too_large(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
