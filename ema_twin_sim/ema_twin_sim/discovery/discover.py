@@ -239,6 +239,7 @@ def discover(
     better = with_factor_in_the_constant(better, best.hypothesis.base, given).fitted_from(given)
     end = given if as_given else with_hidden_as_given(better, given, recordings)
     refitted = {} if as_given or not problem.size else constants(best, errors, given)
+    compared = _left(read.given, end, noise)
     off = far_off(best)
     alone = of_wrong_constants(off, unseen.refit_removed, given.name) if verdict == "unknown" and not added else ()
     misread = (
@@ -257,7 +258,7 @@ def discover(
         undecided(rivals),
         depends_on,
         partial(suggest, problem, found, rivals, recordings, excluded),
-        why_ended(problem, verdict, found, depends_on, unseen),
+        why_ended(problem, verdict, found, depends_on, unseen, beyond_noise(*compared)),
         (
             *misread,
             *(warning for recording in recordings for warning in recording.warnings),
@@ -282,7 +283,7 @@ def discover(
         tuple(read.rotary),
         tuple(read.given),
         noise,
-        *_left(read.given, end, noise),
+        *compared,
         "" if known else left_over_words(problem, found, depends_on),
         misread,
     )

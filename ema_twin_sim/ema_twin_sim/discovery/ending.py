@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from ..comparison.beyond_noise import times_words
 from ..criteria import NOISY
 from ..identification.equation import EquationErrorProblem
+from ..listing import listed
 from ..model.own_units import shown
 from ..quantities import quantity
 from .criteria.episodes import episodes, listed_episodes
@@ -13,9 +17,17 @@ from .unseen import Unseen
 
 
 def why_ended(
-    problem: EquationErrorProblem, verdict: str, found: Search, depends_on: tuple[str, ...], unseen: Unseen
+    problem: EquationErrorProblem,
+    verdict: str,
+    found: Search,
+    depends_on: tuple[str, ...],
+    unseen: Unseen,
+    beyond: Mapping[str, float],
 ) -> str:
-    """What kind of error is left; if none, a sentence that no further effect is worth its complexity penalty."""
+    """What kind of error is left; if none, a sentence that no further effect is worth its complexity penalty.
+
+    ``beyond`` are the signals whose errors exceed the sensors' noise at the end, and how many times.
+    """
     base = found.fit.hypothesis.base
     if lags := lagging(problem, found.fit) if "encoders" in depends_on else {}:
         run = max(lags, key=lambda name: abs(lags[name]))
@@ -55,4 +67,7 @@ def why_ended(
             "no effect explains more; what the simulated current still misses is at impacts, whose timing needs "
             "parameters known to 0.1 %"
         )
+    if beyond:
+        signals = listed([f"{name.replace('_', ' ')} ({times_words(times)})" for name, times in beyond.items()])
+        return f"no effect explains enough more to be named; errors still beyond the sensors' noise: {signals}"
     return "no effect explains more of the remaining error than chance would"

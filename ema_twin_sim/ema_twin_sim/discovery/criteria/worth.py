@@ -8,6 +8,8 @@ no effect is accused there.
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
+from dataclasses import replace
 
 import numpy as np
 
@@ -201,20 +203,35 @@ def left_over(problem: EquationErrorProblem, f: Fit) -> list[float]:
 
 
 def _hardly_parts(problem: EquationErrorProblem, before: Fit, after: Fit) -> bool:
-    """Whether almost none of the encoder difference was removed. With open constants nothing stricter can be tested."""
+    """Whether almost none of the encoder difference was removed. With open constants nothing stricter can be tested.
+
+    An error of an encoder is judged by what errors of another kind leave: a delay shifts the readings in time and an
+    angle error by angle, each exactly, so a large one of the one kind leaves nothing that looks like the other.
+    """
     if not after.hypothesis.base.is_open:
         return False
     parted, gone = 0.0, 0.0
-    came = set(after.hypothesis.effects) - set(before.hypothesis.effects)
+    came = {i.effect for n, i in after.hypothesis.added.items() if n not in before.hypothesis.added}
     # An encoder's error may be far larger than the backlash, so backlash is judged by what that error leaves.
     known_errors = not problem.size or not ENCODER_ONLY.isdisjoint(before.hypothesis.effects)
     beside_errors = known_errors and not came.isdisjoint(COMPLIANT_EFFECTS)
+    left = before.raw if beside_errors else problem.measured - _shown_by_other_errors(problem, before, came)
     for part in problem.encoder_parts:
         noise = problem.noise_of_encoders(part)
-        difference = (before.raw if beside_errors else problem.measured)[part] * noise
+        difference = left[part] * noise
         parted += float(np.sum((difference - np.mean(difference)) ** 2)) if len(difference) else 0.0
         gone += float(np.sum((before.raw[part] ** 2 - after.raw[part] ** 2) * noise**2))
     return gone < NEGLIGIBLE * parted
+
+
+def _shown_by_other_errors(problem: EquationErrorProblem, f: Fit, came: Collection[str]) -> np.ndarray:
+    """Rows (m,) that a fit's encoder errors of other kinds than those that ``came`` predict, if only these came."""
+    h, others = f.hypothesis, ENCODER_ONLY - {*came}
+    if not ENCODER_ONLY.issuperset(came) or others.isdisjoint(h.held):
+        return np.zeros(problem.rows)
+    base = replace(h.base, effects={n: i for n, i in h.base.effects.items() if i.effect not in others})
+    less = replace(h, base=base).without(*(n for n, i in h.added.items() if i.effect in others))
+    return f.predicted.rows - problem.predict(less).rows
 
 
 def _too_large(problem: EquationErrorProblem, f: Fit, name: str) -> bool:

@@ -26,6 +26,11 @@ from ...identification.start_values import regressed_angle
 from ...model import EffectInstance
 
 
+def share_told(apart: float) -> float:
+    """Share (0 to 1) of one explanation told from another by so many standard errors: one half at DECIDED."""
+    return float(apart**2 / (apart**2 + DECIDED**2))
+
+
 @dataclass(frozen=True, eq=False)
 class Showing:
     """Separation of effects (n, n): standard errors of each, at its typical size, from each other of any size.
@@ -44,7 +49,7 @@ class Showing:
 
         Each counts as a share: one half if it stands out from its worst rival by DECIDED.
         """
-        return float(np.sum(self.standing_out**2 / (self.standing_out**2 + DECIDED**2)))
+        return sum(share_told(value) for value in self.standing_out)
 
     @property
     def standing_out(self) -> np.ndarray:

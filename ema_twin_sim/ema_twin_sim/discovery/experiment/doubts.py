@@ -198,7 +198,10 @@ def _too_small(found: Search) -> Doubt | None:
         new = [n for n in trial.fit.hypothesis.added if n not in best.hypothesis.added]
         if trial.gain > 0.0 and trial.unique > needed and len(new) == 1:
             name = trial.fit.hypothesis.added[new[0]].effect
-            reason = f"{name} shows, but is too small beside the noise to be named"
+            small = (
+                "is too small beside the noise" if trial.unique < 2.0 * needed else "explains too little of the error"
+            )
+            reason = f"{name} shows, but {small} to be named"
             return Doubt((Rival(NOTHING, best), Rival(name, trial.fit)), (0.0, -trial.gain), reason)
     return None
 

@@ -18,7 +18,7 @@ from ...criteria import DECIDED, LARGEST_EFFECT, MOSTLY, NEARLY_ALL, SEARCHED_UP
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from .bench_limits import Limits, driven_limits, widened
-from .detection import Detection, Showing
+from .detection import Detection, Showing, share_told
 from .doubts import Doubt
 from .rival_field import STEPS, Evaluated, Pair, RivalField
 
@@ -179,11 +179,13 @@ def _ranked(found: Sequence[Evaluated], allowed: Limits, so_far: Showing | None)
 
     * Most pairs decided.
     * Within limits; if a command beyond them decides or shows more than all within, those that do.
-    * How clearly all effects show; if effects are not requested, the largest minimum separation.
+    * How clearly all effects show and all pairs separate, each counted alike: a pair that is barely decided may be left
+      open on the bench. If effects are not requested, the largest minimum separation.
     * Among nearly equal ones, the gentlest.
     """
     separable = {pair for e in found for pair, value in e.separation.items() if value >= DECIDED}
-    least = min((e.showing.named for e in found if e.showing is not None), default=0.0)
+    clear = {e: e.showing.named + _pairs_told(e) for e in found if e.showing is not None}
+    least = min(clear.values(), default=0.0)
 
     gains = {e: (sum(value >= DECIDED for value in e.separation.values()), len(_shows(e, so_far))) for e in found}
     within = max((gains[e] for e in found if allowed.effort(e.done) <= 1.0), default=(0, 0))
@@ -192,7 +194,7 @@ def _ranked(found: Sequence[Evaluated], allowed: Limits, so_far: Showing | None)
     def rank(e: Evaluated) -> tuple[int, bool, float]:
         liked = allowed.effort(e.done) <= 1.0 if enough else gains[e] > within
         if e.showing is not None:
-            return gains[e][0], liked, e.showing.named - least
+            return gains[e][0], liked, clear[e] - least
         smallest = min((value for pair, value in e.separation.items() if pair in separable), default=0.0)
         return gains[e][0], liked, min(smallest, DECIDED**2)
 
@@ -215,6 +217,11 @@ def _ranked(found: Sequence[Evaluated], allowed: Limits, so_far: Showing | None)
         ordered.append(gentlest)
         left.remove(gentlest)
     return ordered
+
+
+def _pairs_told(e: Evaluated) -> float:
+    """Expected number of pairs that a command tells apart, each as a share: one half if it separates by DECIDED."""
+    return sum(share_told(value) for value in e.separation.values())
 
 
 def _varied(ranked: Sequence[Evaluated]) -> list[Evaluated]:
