@@ -29,7 +29,7 @@ _FEWEST = 400  # samples
 _MOST = 6000  # ways of a recording, which overlap
 _BLOCKS = 8  # of a recording, each left out once for the standard error
 _ROUND = 1.0 / 3.0  # of a turn of the output, beyond which an angle error can be distinguished from a slope
-_BEND = 2  # column of the motor's acceleration
+_BEND, _DIRECTION = 2, 3  # columns of the motor's acceleration and of the sign of its speed
 
 
 @dataclass(frozen=True)
@@ -43,15 +43,39 @@ class ShownRatio:
 
 def ratio_of_recordings(recordings: Sequence[Recording], near: float) -> ShownRatio:
     """The gear ratio by all recordings, beginning at one that is ``near``; that one if they tell no other."""
-    both = [r for r in recordings if r.has("motor_position", "output_position") and not r.of_points]
-    found = [shown for window in _WINDOWS if (shown := _over(window, both, near)) is not None]
-    if not found:
+    both = _of_both(recordings)
+    shown = _shown(both, near)
+    if shown is None:
         return ShownRatio(near)
-    factors, error = min(found, key=lambda shown: shown[1])
-    if not abs(factors[0] / near - 1.0) < ALIKE:
-        return ShownRatio(near)
+    factors, error = shown
     shift = min(_left_over(each, factors) for each in both)
     return ShownRatio(float(factors[0]), CONTRADICTED * error + shift)
+
+
+def flanks_apart(recordings: Sequence[Recording], near: float) -> float | None:
+    """How far the output moves [rad] from one flank of the play to the other, whatever load moves it; None if unknown.
+
+    The positions differ by one of two values, beside what a ratio that is ``near`` and a late encoder part.
+    """
+    both = _of_both(recordings)
+    shown = _shown(both, near)
+    if shown is None:
+        return None
+    factors = shown[0].copy()
+    factors[_DIRECTION] = 0.0  # where friction chooses the flank, the direction tells which
+    apart = [_between_levels(left) for each in both if len(left := _left(each, factors))]
+    return max(apart, default=0.0) / abs(near) or None
+
+
+def _of_both(recordings: Sequence[Recording]) -> list[Recording]:
+    return [r for r in recordings if r.has("motor_position", "output_position") and not r.of_points]
+
+
+def _shown(recordings: Sequence[Recording], near: float) -> tuple[np.ndarray, float] | None:
+    """The factors of the columns by the ways that tell the ratio best, and its standard error; None if none does."""
+    found = [shown for window in _WINDOWS if (shown := _over(window, recordings, near)) is not None]
+    best = min(found, key=lambda shown: shown[1], default=None)
+    return best if best is not None and abs(best[0][0] / near - 1.0) < ALIKE else None
 
 
 def _columns(recording: Recording, *, turned: bool) -> np.ndarray:
@@ -134,10 +158,28 @@ def _left_over(recording: Recording, factors: np.ndarray) -> float:
     travel = _travel(recording)
     if not travel > 0.0:
         return math.inf
+    left = _left(recording, factors)
+    return float(np.ptp(np.quantile(left, (1.0 - NEARLY_ALL, NEARLY_ALL)))) / travel if len(left) else math.inf
+
+
+def _left(recording: Recording, factors: np.ndarray) -> np.ndarray:
+    """What the factors leave of the motor's position (m,), where it is known."""
     turned = bool(np.any(factors[-2:]))
     left = recording.signals["motor_position"] - _columns(recording, turned=turned) @ factors
-    left = left[np.isfinite(left)]
-    return float(np.ptp(np.quantile(left, (1.0 - NEARLY_ALL, NEARLY_ALL)))) / travel if len(left) else math.inf
+    known: np.ndarray = left[np.isfinite(left)]
+    return known
+
+
+def _between_levels(values: np.ndarray) -> float:
+    """Distance between the two levels at which the values (m,) stay; 0 if they do not stay at two."""
+    low, high = np.quantile(values, (1.0 - NEARLY_ALL, NEARLY_ALL))
+    above = values > 0.5 * (low + high)
+    if above.all() or not above.any():
+        return 0.0
+    middles = [float(np.median(part)) for part in (values[above], values[~above])]
+    within = [np.median(np.abs(values[of] - middle)) for of, middle in zip((above, ~above), middles, strict=True)]
+    apart = middles[0] - middles[1]
+    return apart if 1.4826 * max(within) < PART * apart else 0.0
 
 
 def _travel(recording: Recording) -> float:

@@ -207,8 +207,8 @@ def _rounded(shown: ShownRatio, recording: Recording, doubt: str) -> tuple[float
     nearest = whole_ratio(shown.value, recording, shown.uncertainty)
     if nearest is not None and abs(shown.value / nearest - 1.0) > EXACT:
         return nearest, doubt or (
-            f"the slope is {abs(shown.value):.6g}: rounded to a whole number, since play, a load that winds the gear up "
-            "or an encoder's angle error would distort it"
+            f"the slope is {abs(shown.value):.6g}: rounded to a whole number, since play, a load that winds the gear "
+            "up or an encoder's angle error would distort it"
         )
     if nearest is None and shown.uncertainty > EXACT * abs(shown.value):
         return shown.value, doubt or (
