@@ -27,6 +27,7 @@ METHOD = {
     "measured/signal_factors.py": "DEGREES RPM TURN SETPOINT",
     "measured/adaptive_acceleration.py": "_TIMES _AGREE",
     "measured/ratio_of_positions.py": "ALIKE _FEWEST_TO_REFINE _SMOOTHED _AT_ENDS _ROUND _MOVING _FEWEST _WINDOWS",
+    "measured/ratio_of_recordings.py": "_WINDOWS _SMOOTHED _AT_ENDS _FEWEST _MOST _BLOCKS _ROUND _BEND _DIRECTION",
     "measured/robust_regression.py": "_STEPS",
     "measured/smoothed_motion.py": "WIDTH COUNTER_WIDTH COUNTER_SPEED_WIDTH COUNTER_PULL LEAST_PERIODS FEWEST",
     "measured/smoothing.py": "REACH DERIVATIVE_REACH",

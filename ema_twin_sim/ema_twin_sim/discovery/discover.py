@@ -36,6 +36,7 @@ from .ending import why_ended
 from .errors_beside_curves import errors_beside_curves
 from .experiment.doubts import moves_one_way
 from .experiment.suggestion import suggest
+from .flanks_under_load import of_unseen_load, with_play_between_flanks
 from .followed import with_followed_numbers
 from .idle_effects import idle_effects, idle_encoder_errors, shows_over
 from .late_output import longer_delay
@@ -170,6 +171,7 @@ def discover(
     loop = ClosedLoop(recordings, found.fit.hypothesis.base)
     found = with_best_split(loop, found)
     found = with_unmoved_constants(loop, found) if known else found
+    found, uncertain = with_play_between_flanks(found, recordings)
     progress("judging by simulation")
     began = read.began if model.is_open else in_si(model)
     judge = Judge(read.rotary, began, noise)
@@ -231,6 +233,7 @@ def discover(
     rivals = tuple(rivalry.beside(best) for rivalry in rivals if rivalry.effect in best.hypothesis.effects)
     left = unseen.rmse[-1] / unseen.noise_floor if unseen.noise_floor > 0.0 else 1.0
     errors = with_division(errors_beside_curves(problem, best), best, left)
+    errors |= {path: max(off, errors[path]) for path, off in uncertain.items() if path in errors}
     steps = steps_of(found, unseen)
     order = most_telling_first(best.hypothesis.added, steps)
     added = tuple(dict.fromkeys(best.hypothesis.added[name].effect for name in order))
@@ -274,6 +277,7 @@ def discover(
             *(ONE_DIRECTION if problem.size and moves_one_way(problem) else ()),
             *(ALONE if len(recordings) == 1 else ()),
             *(() if problem.size else WITHOUT_TORQUE),
+            *of_unseen_load(best, uncertain),
             *own_not_shown(recordings, model, without),
         ),
         unseen,

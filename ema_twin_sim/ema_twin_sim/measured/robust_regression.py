@@ -17,13 +17,18 @@ def robust_regression(columns: np.ndarray, values: np.ndarray) -> tuple[np.ndarr
 
 
 def bulk_regression(columns: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Factors (k,) by the values that agree with each other: those that are far off count nothing.
+    """Factors (k,) by the values that agree with each other: those that are far off count nothing."""
+    return bulk_weights(columns, values)[0]
+
+
+def bulk_weights(columns: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The factors (k,) of ``bulk_regression`` and the weights (n,) of the values.
 
     It begins where ``robust_regression`` ends, which many values pull if they are all off to one side
     (A. E. Beaton and J. W. Tukey, Technometrics 16 (1974) 147).
     """
     _, weights = robust_regression(columns, values)
-    return _reweighted(columns, values, weights, lambda far: np.clip(1.0 - far**2, 0.0, None))[0]
+    return _reweighted(columns, values, weights, lambda far: np.clip(1.0 - far**2, 0.0, None))
 
 
 def _reweighted(

@@ -15,6 +15,7 @@ from ema_bench_replay.recording import AT, AT_EITHER_SHAFT, Recording
 from ema_bench_replay.units import signal_unit, unit_in, units_of
 
 from ..measured.ratio_of_positions import ALIKE, ratio_of_positions
+from ..measured.ratio_of_recordings import ShownRatio, ratio_of_recordings
 from ..measured.speed_lag import speed_lag
 from ..model.check_comment import ASSUMED, CHECK, REMEDIES, START_VALUE, check_comment
 from ..model.constants import CONSTANTS
@@ -66,7 +67,7 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
     refuse_what_does_not_fit(given, recording)
     motion = recording.motion
     inertia, viscous, dry = (1e-3, 0.01, 0.1) if motion == "rotary" else (1.0, 10.0, 1.0)
-    ratio = _ratio(recording, given, shaft)
+    ratio = _ratio(recordings, given, shaft)
     gear = shown_gear(recordings) if ratio is not None and ratio.source == ASSUMED else None
     if ratio is not None and gear is not None:
         ratio = replace(ratio, doubt="; ".join(filter(None, (gear.comment, ratio.doubt))))
@@ -174,8 +175,9 @@ class _Ratio:
         return f"{line}{check_comment(self.doubt)}"
 
 
-def _ratio(recording: Recording, told: Given, shaft: Shaft) -> _Ratio | None:
+def _ratio(recordings: Sequence[Recording], told: Given, shaft: Shaft) -> _Ratio | None:
     """The gear ratio: as given, else as position and speed or both positions show it, else 1 for a rotary machine."""
+    recording = farthest(recordings)
     if given := told.gear_ratio:
         other = _other_ratio(recording, given, shaft)
         return _Ratio(given, "given", "" if other is None else f"both positions give {other:.4g}")
@@ -192,19 +194,28 @@ def _ratio(recording: Recording, told: Given, shaft: Shaft) -> _Ratio | None:
             doubt = doubt_of_travel(told.travel_per_turn, shown)
         elif abs(shown - 1.0) < ALIKE:
             doubt = "is the motor's position given as the output's? Then say `shaft: output` in the map"
-        nearest = whole_ratio(shown, recording) if recording.motion == "rotary" else None
-        if nearest is not None:
-            if abs(shown / nearest - 1.0) > EXACT:
-                doubt = (
-                    doubt
-                    or f"the slope is {abs(shown):.6g}: rounded to a whole number, since an encoder's angle error "
-                    "would distort it"
-                )
-            shown = nearest
+        sure = ratio_of_recordings(recordings, shown)
+        shown, doubt = _rounded(sure, recording, doubt) if recording.motion == "rotary" else (sure.value, doubt)
         return _Ratio(abs(shown), "slope of both positions", doubt)
     if recording.motion == "rotary":
         return _Ratio(1.0, ASSUMED, REMEDIES["machine.gear_ratio"])
     return None
+
+
+def _rounded(shown: ShownRatio, recording: Recording, doubt: str) -> tuple[float, str]:
+    """The whole number that both positions may show, or else what they show; and what is doubtful about it."""
+    nearest = whole_ratio(shown.value, recording, shown.uncertainty)
+    if nearest is not None and abs(shown.value / nearest - 1.0) > EXACT:
+        return nearest, doubt or (
+            f"the slope is {abs(shown.value):.6g}: rounded to a whole number, since play, a load that winds the gear "
+            "up or an encoder's angle error would distort it"
+        )
+    if nearest is None and shown.uncertainty > EXACT * abs(shown.value):
+        return shown.value, doubt or (
+            f"to within {shown.uncertainty:.2g}, since play, a load that winds the gear up or an encoder's angle error "
+            "would distort it; if it is known, give --gear-ratio"
+        )
+    return nearest or shown.value, doubt
 
 
 def _other_ratio(recording: Recording, given: float, shaft: Shaft) -> float | None:

@@ -152,13 +152,18 @@ def _parting(recording: Recording, ratio: float) -> float:
     return float(np.ptp(np.quantile(apart[np.isfinite(apart)], (1.0 - NEARLY_ALL, NEARLY_ALL))))
 
 
-def whole_ratio(ratio: float, recording: Recording) -> float | None:
+def whole_ratio(ratio: float, recording: Recording, uncertainty: float = math.nan) -> float | None:
     """The whole number from which an encoder's angle error, or play, may have shifted a ratio; None if none is so near.
 
-    It is taken if the difference between the positions is about as small with it as with the slope.
+    It is taken if it is within the ``uncertainty`` and no other is, or if the difference between the positions is about
+    as small with it as with the slope.
     """
     nearest = float(round(ratio))
-    if nearest == 0.0 or abs(ratio - nearest) > NEAR_A_WHOLE:
+    if nearest == 0.0:
+        return None
+    if abs(ratio - nearest) <= uncertainty <= PART:
+        return nearest
+    if abs(ratio - nearest) > NEAR_A_WHOLE:
         return None
     travel = float(np.ptp(recording.signals["output_position"][np.isfinite(recording.signals["output_position"])]))
     if abs(ratio / nearest - 1.0) * travel < ANGLE_ERROR:
