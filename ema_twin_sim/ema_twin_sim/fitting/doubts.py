@@ -96,7 +96,8 @@ def _growths(before: Errors, after: Errors) -> dict[str, float]:
 def _both(signals: Sequence[str], before: Errors, after: Errors, way: str = "grows") -> str:
     """These signals, with both errors."""
     return ", that of the ".join(
-        f"{signal_words(signal, after[signal]['unit'])} {way} from {quantity(before[signal]['rmse'], after[signal]['unit'])} to "
+        f"{signal_words(signal, after[signal]['unit'])} {way} "
+        f"from {quantity(before[signal]['rmse'], after[signal]['unit'])} to "
         f"{quantity(after[signal]['rmse'], after[signal]['unit'])}"
         for signal in signals
     )
