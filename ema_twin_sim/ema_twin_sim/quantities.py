@@ -9,6 +9,12 @@ _LEAST_ON_AXIS = 0.3  # of a unit: what goes up to 0.9 rad is drawn in rad, what
 _TWO_DIGITS = 3.0  # a standard error that begins with a smaller digit is given with two
 
 
+def signal_words(name: str, unit: str = "") -> str:
+    """``motor torque``, in ``N`` ``motor force``: a signal's name as people say it, on a carriage too."""
+    words = name.replace("_", " ")
+    return words.replace("torque", "force") if unit == "N" else words
+
+
 def quantity(value: float | None, unit: str, digits: int = 3) -> str:
     """``0.00301, 'A'`` as ``3.01 mA``; shares and plain numbers take no prefix; a dash where there is no value."""
     if value is None or not math.isfinite(value):

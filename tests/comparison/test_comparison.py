@@ -14,6 +14,7 @@ from ema_twin_sim.commands.shown_comparison import show_comparison
 from ema_twin_sim.comparison.compare import compare, compare_all
 from ema_twin_sim.comparison.running_comparison import RunningComparison
 from ema_twin_sim.comparison.where import Dependence, Stretch, find_dependences
+from ema_twin_sim.quantities import signal_words
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.compared_signals import UNITS, noise_floors
 from ema_twin_sim.simulation.simulate import simulate
@@ -267,3 +268,11 @@ def test_what_was_recorded_is_named_as_what_drives_the_twin(stock, recordings, m
         show_comparison(comparisons)
         told = " ".join(capsys.readouterr().out.split())
         assert f"The {driving} drives the twin" in told and "input current" not in told and "input: current" not in told
+
+
+@pytest.mark.parametrize(("unit", "words"), [("N m", "motor torque"), ("N", "motor force"), ("", "motor torque")])
+def test_a_carriage_has_a_force(unit, words):
+    assert signal_words("motor_torque", unit) == words
+    stretch = Stretch(np.sign(np.sin(np.arange(9000.0))), *(np.sin(1e-3 * np.arange(9000.0)) for _ in range(4)))
+    told = [found.sentence() for found in find_dependences("motor_torque", unit, [stretch])]
+    assert told and all(words in sentence for sentence in told)

@@ -54,7 +54,7 @@ def told(*residuals, start=0.0):
                 stretches={} if found is None else {"current": found},
             )
         )
-    overall = {"current": {"rmse": 10.0 * floor, "noise_floor": floor, "driven": False}}
+    overall = {"current": {"rmse": 10.0 * floor, "noise_floor": floor, "driven": False, "unit": "A"}}
     return decisive_sentence(SimpleNamespace(input="setpoint", overall=overall, recordings=recordings), start)
 
 

@@ -279,7 +279,7 @@ def test_what_was_refused_is_shown_only_where_something_is_left(findings):
     both = replace(findings, signatures=(found, refused_last))
     assert told_signatures(both) == told_signatures(replace(both, verdict="none")) == [found]
     assert told_signatures(replace(both, verdict="unknown")) == [found, refused_last]
-    assert "not added: it explains too little" in signature_chart(refused_last).caption
+    assert "the search did not add it" in signature_chart(refused_last).caption
 
 
 def test_a_search_that_came_to_another_end_is_told(models, recordings, folder):

@@ -76,6 +76,7 @@ def run(
 
 def _show_one(effect: Effect, name: str | Path) -> None:
     """Print one effect in full; ``name`` is the argument that ``add`` takes for it (its id or its file)."""
+    from ..effects.catalogue import is_own
     from ..effects.effect import range_words
 
     say(f"[bold]{effect.id}[/bold]: {escape(effect.summary)}\n", markup=True)
@@ -91,6 +92,8 @@ def _show_one(effect: Effect, name: str | Path) -> None:
         only = f"; with {effect.law}: {p.choice}" if p.choice else ""
         table.add_row(p.name, escape(p.unit), f"{p.default:g}", possible, escape(p.description + only))
     console.print(table)
+    if is_own(effect):
+        say("On a linear machine the same numbers hold in m for rad, in N for N m and in kg for kg m^2.")
     for option, choices in effect.options.items():
         say(f"option {option}: {effect.choices_in_words(option)} (default {choices[0]})")
     if effect.parameters:

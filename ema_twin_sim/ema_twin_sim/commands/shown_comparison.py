@@ -14,7 +14,7 @@ from ..comparison.compare import Comparison
 from ..comparison.where import FEWEST_SAMPLES, Dependence
 from ..criteria import SMALL
 from ..listing import few_of, listed
-from ..quantities import quantity
+from ..quantities import quantity, signal_words
 from ..simulation.compared_signals import ENCODER_DIFFERENCE
 from ..words.at_rest import at_rest_sentence
 from ..words.decisive import decisive_sentence
@@ -81,7 +81,7 @@ def _show_errors(comparison: Comparison) -> None:
     title = f"RMSE, measured minus twin (input: {input_words(comparison.input, comparison.overall, comparison.motion)})"
     table = ReportTable(title)
     table.words("recording")
-    table.numbers(*(name.replace("_", " ") for name in names))
+    table.numbers(*(signal_words(name, comparison.overall[name]["unit"]) for name in names))
     errors = [comparison.overall[name] for name in names]
     table.add_row("noise floor of the sensors", *(noise_cell(error) for error in errors), style="dim")
     table.add_section()
@@ -99,7 +99,8 @@ def _show_errors(comparison: Comparison) -> None:
         table.words("signal")
         table.numbers("noise floor", escape(comparison.model), least=len("99.7 mrad/s"))
         for n in names:
-            table.add_row(n.replace("_", " "), noise_cell(signals.get(n)), error_cell(signals.get(n)))
+            words = signal_words(n, comparison.overall[n]["unit"])
+            table.add_row(words, noise_cell(signals.get(n)), error_cell(signals.get(n)))
         console.print(table)
 
 
@@ -118,12 +119,13 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
         say(f"\nAll errors are at the sensors' noise floor{of}{_what_that_says(comparison, shown)}.")
         return
     if not found:
-        names = ", ".join(sorted(name.replace("_", " ") for name in poor))
+        names = ", ".join(sorted(signal_words(name, overall[name]["unit"]) for name in poor))
         traced = dict.fromkeys(d.signal for d in comparison.where)
         if few:
             why = f"the recordings are too short to locate the error ({FEWEST_SAMPLES} samples are needed)"
         elif traced:
-            why = f"the location is analysed for {listed(name.replace('_', ' ') for name in traced)} only"
+            of_these = listed(signal_words(name, overall[name]["unit"]) for name in traced)
+            why = f"the location is analysed for {of_these} only"
         else:
             why = "to locate the error, the current and the motor's position or speed are needed"
         say(f"\nAbove the sensors' noise{of}: {names}; {why}.")
@@ -139,7 +141,7 @@ def _what_that_says(comparison: Comparison, shown: Sequence[str]) -> str:
     errors = {name: overall[name] for name in shown if overall[name]["rmse"] and not overall[name]["driven"]}
     noise = {name: error["relative"] * error["noise_floor"] / error["rmse"] for name, error in errors.items()}
     blind = [
-        f"that of the {name.replace('_', ' ')} is {100.0 * share:.0f} % of the signal"
+        f"that of the {signal_words(name, overall[name]['unit'])} is {100.0 * share:.0f} % of the signal"
         for name, share in noise.items()
         if share > BLIND
     ]
@@ -165,7 +167,7 @@ def _where(found: Sequence[Dependence], title: str) -> ReportTable:
         table.numbers("RMSE there", "elsewhere")
     for signal in dict.fromkeys(d.signal for d in found):
         best, *others = (d for d in found if d.signal == signal)
-        name = signal.replace("_", " ")
+        name = signal_words(signal, best.unit)
         for d in (best, *(d for d in others if d.share >= SMALL)):
             sizes = ("–", "–")
             if d.is_largest_there:

@@ -8,7 +8,7 @@ from ..fitting.doubts import tells
 from ..fitting.findings import Finding
 from ..fitting.fit import FitResult
 from ..model import Model
-from ..quantities import estimate, quantity
+from ..quantities import estimate, quantity, signal_words
 from ..words.parameters import numbers_of, parameter_rows
 from ..words.sentences import change_words
 from .output import console, say, warn
@@ -72,7 +72,7 @@ def errors_table(found: FitResult) -> ReportTable:
     for signal, error in found.before.items():
         if tells(signal, error, found.before):
             numbers = (error["rmse"], found.after[signal]["rmse"], error["noise_floor"])
-            table.add_row(signal.replace("_", " "), *(quantity(number, error["unit"]) for number in numbers))
+            table.add_row(signal_words(signal, error["unit"]), *(quantity(number, error["unit"]) for number in numbers))
     return table
 
 

@@ -12,7 +12,7 @@ from ..discovery.discover import Discovery, Step
 from ..effects import catalogue
 from ..measured.folds import HALF_OF
 from ..model.constants import PARTS
-from ..quantities import estimate, quantity
+from ..quantities import estimate, quantity, signal_words
 from ..words.dropped import less_dropped
 from ..words.next_recording import recording_words
 from ..words.parameters import numbers_of, parameter_rows
@@ -50,7 +50,7 @@ def show_search(found: Discovery, without: Sequence[str] = ()) -> None:
     if found.verdict == "unknown":
         left = found.unseen
         say(
-            f"Remaining error: {quantity(left.rmse[-1], left.unit)} of the {left.signal.replace('_', ' ')}; "
+            f"Remaining error: {quantity(left.rmse[-1], left.unit)} of the {signal_words(left.signal, left.unit)}; "
             f"the sensors' noise is {quantity(left.noise_floor, left.unit)}"
             + (", which hides it in single samples, but not in many." if left.rmse[-1] < left.noise_floor else ".")
         )
@@ -98,7 +98,7 @@ def _steps(found: Discovery, shown_steps: Sequence[Step]) -> ReportTable:
         judged_on = "the half of the points not used for fitting"
     unseen = found.unseen
     floor = quantity(unseen.noise_floor, unseen.unit)
-    signal = unseen.signal.replace("_", " ")
+    signal = signal_words(unseen.signal, unseen.unit)
     table = ReportTable(f"\nSteps, judged by the {signal} of {judged_on} (noise floor {floor})")
     narrow, output, crowded = is_narrow(), _has_output(found), _is_crowded(found)
     table.words("step", *(() if narrow else ("what it is",)), widest=44)

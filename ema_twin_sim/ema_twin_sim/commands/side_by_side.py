@@ -12,7 +12,7 @@ from ..comparison.compare import Comparison
 from ..comparison.running_comparison import SignalError
 from ..criteria import CLEARLY_MORE
 from ..listing import listed
-from ..quantities import quantity
+from ..quantities import quantity, signal_words
 from ..words.error_cells import ALL, closeness_cell, error_cell, noise_cell, number_of_times
 from ..words.sentences import by_number, input_words
 from .output import console, say
@@ -54,7 +54,9 @@ def _of_recordings(name: str, comparisons: Sequence[Comparison]) -> ReportTable:
     error = first.overall[name]
     driving = input_words(first.input, first.overall, first.motion)
     noise = f"noise floor {quantity(error['noise_floor'], error['unit'])}"
-    table = _table(f"RMSE of the {name.replace('_', ' ')} (input {driving}, {noise})", "recording", comparisons)
+    table = _table(
+        f"RMSE of the {signal_words(name, error['unit'])} (input {driving}, {noise})", "recording", comparisons
+    )
     closest = [closer(first, other) for other in comparisons[1:]]
     for row in sorted(range(len(first.recordings)), key=lambda k: by_number(first.recordings[k].name)):
         errors = [comparison.recordings[row].signals for comparison in comparisons]
@@ -75,7 +77,8 @@ def _of_signals(_: str, comparisons: Sequence[Comparison]) -> ReportTable:
     closest = [closer(first, other).overall for other in comparisons[1:]]
     for name in shown_signals(first.input, first.overall):
         errors = [comparison.overall for comparison in comparisons]
-        table.add_row(name.replace("_", " "), noise_cell(first.overall[name]), *_cells(name, errors, closest))
+        words = signal_words(name, first.overall[name]["unit"])
+        table.add_row(words, noise_cell(first.overall[name]), *_cells(name, errors, closest))
     return table
 
 
@@ -100,7 +103,7 @@ def _cells(
 def _in_words(name: str, first: Comparison, other: Comparison) -> str:
     """``Model better: 14.6 × closer than polito_bench in the current, from 11.2 × (ramp_0.1) to 15.1 × (sine).``"""
     found = closer(first, other)
-    signal = name.replace("_", " ")
+    signal = signal_words(name, first.overall[name]["unit"])
     if name not in found.overall:
         return f"Model {other.model}: its {signal} is at the sensors' noise, as is that of {first.model}."
     overall = found.overall[name]

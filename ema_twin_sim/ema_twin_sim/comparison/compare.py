@@ -379,16 +379,20 @@ def explained_signals(source: str) -> tuple[str, ...]:
 
 
 def stretch_of(recording: Recording, twin: Recording, residual: np.ndarray, ratio: float) -> Stretch:
-    """A residual (n,) with the variables it may depend on; ``ratio`` is the gear ratio."""
+    """A residual (n,) with the variables it may depend on; ``ratio`` is the gear ratio.
+
+    Angles are those of the counters, as a search and an effect that acts at a place count them: recordings that begin
+    elsewhere then show a place where it is.
+    """
     position = recording.signals.get("motor_position", twin.signals["motor_position"])
     speed = twin.signals["speed"] if recording.of_points else recording.signals.get("speed")
     if speed is None:
         speed = slopes(position, recording.time)
-    origin, _ = angle_origins(recording.motor_angle_origin, recording.output_angle_origin, ratio)
+    origin, output_origin = angle_origins(recording.motor_angle_origin, recording.output_angle_origin, ratio)
     output = recording.signals.get("output_position")
     if output is None and recording.has("motor_position"):
         output = divided(position, ratio)
     elif output is None:
         output = twin.signals["output_position"]
     time = np.zeros(len(recording)) if recording.of_points else recording.time  # points have an order, and no clock
-    return Stretch(residual, speed, shifted(position, origin), output, time)
+    return Stretch(residual, speed, shifted(position, origin), shifted(output, output_origin), time)

@@ -18,7 +18,7 @@ from ema_bench_replay.long_columns import by_pieces, extremes, joined, mean_of, 
 from ema_bench_replay.units import unit_in
 
 from ..criteria import SMALL, STANDSTILL
-from ..quantities import quantity
+from ..quantities import quantity, signal_words
 from .orders import Periodicity, find_order
 
 _BINS = 16
@@ -36,7 +36,7 @@ class Stretch:
     residual: np.ndarray  # in the signal's SI unit
     speed: np.ndarray  # rad/s, fast shaft
     motor_angle: np.ndarray  # rad, fast shaft, counter angle
-    output_position: np.ndarray  # rad, slow shaft
+    output_position: np.ndarray  # rad, slow shaft, counter angle
     time: np.ndarray  # s
 
 
@@ -87,7 +87,7 @@ class Dependence:
 
     def sentence(self) -> str:
         """The dependence in words."""
-        signal = self.signal.replace("_", " ")
+        signal = signal_words(self.signal, self.unit)
         if self.share < SMALL:
             where = f"; {self.where}"
             if self.is_largest_there:

@@ -15,7 +15,8 @@ import numpy as np
 
 from ..comparison.binning import bin_edges, quartiles, rows_by_bin
 from ..comparison.orders import ORDERS, Periodicity, amplitude_spectrum, find_order
-from ..criteria import STANDSTILL
+from ..criteria import MOSTLY, STANDSTILL
+from ..effects import catalogue
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
 from ..identification.generic_bases import dependence
@@ -33,6 +34,16 @@ LEAST_SHOWN = 10.0  # orders
 SHOWN = 1.33  # times the highest order that the model names
 NEAR = 0.03  # orders within this distance of a named one are taken to be it
 NARROW_AT_ZERO = ("speed", "transmitted_torque", "acceleration")  # bins are narrow near zero for these
+_SHOWN_OVER = {
+    "speed": "speed",
+    "direction": "speed",
+    "output_position": "output_position",
+    "order": "motor_angle",
+    "load": "transmitted_torque",
+    "time": "time",
+    "acceleration": "acceleration",
+}
+"""By the quantity on which an effect depends: that of its view."""
 Kind = Literal["torque", "encoder_difference"]
 _UNITS: dict[Kind, str] = {"torque": "N m", "encoder_difference": "rad"}
 
@@ -166,9 +177,23 @@ def _evidence_of(problem: EquationErrorProblem, compared: Compared) -> StepEvide
         views += _encoder_views(problem, residuals)
     moved = (residuals["before"] - residuals["after"]) ** 2
     main = "encoder_difference" if moved[problem.size :].sum() > moved[: problem.size].sum() else "torque"
-    views.sort(key=lambda view: (view.kind != main, -view.share))
+    own = _own_quantities(compared.fits["before"], compared.fits["after"])
+    best = max((view.share for view in views if view.kind == main), default=0.0)
+    telling = {view.against for view in views if view.against in own and view.share >= MOSTLY * best}
+    views.sort(key=lambda view: (view.kind != main, view.against not in telling, -view.share))
     views = [_as_people_know_it(view, base) for view in views]
     return StepEvidence(compared, tuple(views), _spectrum(problem, torques, base))
+
+
+def _own_quantities(before: Fit, after: Fit) -> frozenset[str]:
+    """The quantities on which the effects that a step added depend.
+
+    What the train transmits has every load in it, a magnet over a place as well, so that a load shows over it, too.
+    """
+    came = {n: held for n, held in after.hypothesis.added.items() if n not in before.hypothesis.added}
+    return frozenset(
+        _SHOWN_OVER[over] for held in came.values() if (over := catalogue()[held.effect].depends_on) in _SHOWN_OVER
+    )
 
 
 def _torques(problem: EquationErrorProblem, after: Fit, residuals: Mapping[str, np.ndarray]) -> _Torques:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from ..comparison.beyond_noise import is_noise, times_noise, times_words
 from ..comparison.running_comparison import SignalError
 from ..criteria import NEGLIGIBLE, NOISY, TOO_MUCH
-from ..quantities import quantity
+from ..quantities import quantity, signal_words
 from ..simulation.compared_signals import drifting
 from .unseen import Errors
 
@@ -58,7 +58,7 @@ def still_far(after: Errors, hit: bool) -> list[str]:
     advice = "compare tells what it depends on, diagnose whether an effect is missing"
     if hit:
         advice = f"impact timing off by 1 ms can cause this; {advice}"
-    return [f"what is left of the {worst.replace('_', ' ')} is {times} the sensors' noise: {advice}"]
+    return [f"what is left of the {signal_words(worst, told[worst]['unit'])} is {times} the sensors' noise: {advice}"]
 
 
 def tells(signal: str, error: SignalError, errors: Errors) -> bool:
@@ -96,7 +96,8 @@ def _growths(before: Errors, after: Errors) -> dict[str, float]:
 def _both(signals: Sequence[str], before: Errors, after: Errors, way: str = "grows") -> str:
     """These signals, with both errors."""
     return ", that of the ".join(
-        f"{signal.replace('_', ' ')} {way} from {quantity(before[signal]['rmse'], after[signal]['unit'])} to "
+        f"{signal_words(signal, after[signal]['unit'])} {way} "
+        f"from {quantity(before[signal]['rmse'], after[signal]['unit'])} to "
         f"{quantity(after[signal]['rmse'], after[signal]['unit'])}"
         for signal in signals
     )

@@ -13,14 +13,14 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 
 from ..criteria import ANY_SIZE, NEGLIGIBLE, PART, SEARCHED_UP_TO, TOLERANCE, UNSEEN_SPREAD
-from ..effects import Parameter, catalogue
+from ..effects import Effect, Parameter, catalogue
 from ..identification.hypothesis import COMPLIANT_EFFECTS, INERTIAS
 from ..identification.search_limits import Reached, search_limits
 from ..identification.start_values import WIDE
 from ..listing import listed
 from ..model import Model
 from ..model.constants import CONSTANTS
-from ..model.own_units import shown, told
+from ..model.own_units import shown, table_in, told
 from ..model.roles import DRY_FRICTION, FRICTION
 
 WEAK_ANGLE = 10.0  # rad, more than one and a half turns: any angle
@@ -114,8 +114,7 @@ class FreeParameters:
             part, name, _ = split(number.path)
             if part != "effects" or number.periodic:
                 continue
-            effect = catalogue()[self.model.effects[name].effect]
-            lower, upper = search_limits(effect, _parameter_of(self.model, number.path), of)
+            lower, upper = search_limits(_table(self.model, name), _parameter_of(self.model, number.path), of)
             most = SEARCHED_UP_TO * abs(float(start))
             if math.isinf(number.upper):
                 if math.isinf(upper):  # a stiffness: far beyond its start it is practically rigid
@@ -217,7 +216,12 @@ def not_by_encoders(model: Model, free: Sequence[str]) -> list[str]:
 def _parameter_of(model: Model, path: str) -> Parameter:
     """The catalogue entry of the parameter that a path names."""
     _, name, parameter = split(path)
-    return next(p for p in catalogue()[model.effects[name].effect].parameters if p.name == parameter)
+    return next(p for p in _table(model, name).parameters if p.name == parameter)
+
+
+def _table(model: Model, name: str) -> Effect:
+    """The effect of an instance, the numbers of its table in the units of the model."""
+    return table_in(catalogue()[model.effects[name].effect], model.units)
 
 
 def waves(freedom: FreeParameters) -> list[tuple[int, int]]:
@@ -296,7 +300,7 @@ def _weak(scale: float, periodic: bool) -> float:
 def _parameter(model: Model, paths: tuple[str, ...], parted: bool, *, asked: bool) -> FreeParameter:
     _, name, _ = split(paths[0])
     instance = model.effects[name]
-    effect = catalogue()[instance.effect]
+    effect = _table(model, name)
     p = _parameter_of(model, paths[0])
     value = _value(model, paths[0])
     neutral = p.neutral if p is effect.parameters[0] and p.neutral is not None else 0.0

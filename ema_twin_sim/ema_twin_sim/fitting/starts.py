@@ -22,6 +22,7 @@ from ..identification.null_hypothesis import null_hypothesis
 from ..identification.screening import screen
 from ..identification.weighting import FAR, Weighting
 from ..model import Model
+from ..model.own_units import table_in
 from .equation_misfit import EquationMisfit
 from .free_parameters import FreeParameters, split, waves
 from .solver import Solution, refine, solve
@@ -109,7 +110,7 @@ def explored(misfit: EquationMisfit, start: np.ndarray, enough: float, progress:
         part, name, parameter = split(number.path)
         if part != "effects" or model.effects[name].effect in COMPLIANT_EFFECTS:
             continue
-        effect = catalogue()[model.effects[name].effect]
+        effect = table_in(catalogue()[model.effects[name].effect], model.units)
         own = [j for j, other in enumerate(misfit.freedom.numbers) if split(other.path)[:2] == (part, name)]
         if k == own[0] and (begun := _own_start(misfit, better.values, name, own)) is not None:
             progress(f"trying all starts of {name}")

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from ..effects import Effect, Trait, catalogue, effects_with
 from ..effects.catalogue import is_own
-from ..model.own_units import is_linear
+from ..model.own_units import OwnUnits, is_linear, table_in
 from ..model.roles import DRY_FRICTION, SENSOR_WAVE
 from ..plant.layout import ANGLE_ERRORS, TORQUE
 from .hypothesis import Hypothesis
@@ -94,12 +94,12 @@ def addable(h: Hypothesis, id: str) -> bool:
     return catalogue()[id].repeatable or id not in h.held
 
 
-def starts(c: Candidate, of: Reached) -> Iterator[dict[str, float]]:
+def starts(c: Candidate, of: Reached, units: OwnUnits | None) -> Iterator[dict[str, float]]:
     """Shape parameters from which the search of an effect begins: all but a size in which it is linear.
 
-    None if the recordings do not show what these options do.
+    They are in the ``units`` of the model. None if the recordings do not show what these options do.
     """
-    effect = catalogue()[c.effect]
+    effect = table_in(catalogue()[c.effect], units)
     size = effect.parameters[0]
     shapes = [p for p in effect.parameters_with(c.options) if p is not size or p.neutral is None]
     for choice in itertools.product(*(start_values(effect, p, of) for p in shapes)):

@@ -11,6 +11,7 @@ from ..effects import Trait, catalogue, effects_with
 from ..measured.observation import Observation
 from ..measured.smoothing import smooth_at
 from ..model import EffectInstance
+from ..model.own_units import table_in
 from ..parallel import predictions
 from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE, VISCOUS_COEFFICIENT
 from ..plant.measured_motion import REQUIRED, REQUIRED_OUTPUT
@@ -76,7 +77,7 @@ class EquationErrorProblem(WeightedRows):
             p = h.parameter_of(free.path)
             if p is None:
                 continue
-            effect = catalogue()[h.added[free.path.split(".")[1]].effect]
+            effect = table_in(catalogue()[h.added[free.path.split(".")[1]].effect], h.base.units)
             least, most = search_limits(effect, p, self.reached)
             if not p.periodic:
                 lower[k] = max(lower[k], least)

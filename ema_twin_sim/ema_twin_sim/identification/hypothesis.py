@@ -14,6 +14,7 @@ from ..effects import Parameter, catalogue
 from ..measured.scales import INERTIAS
 from ..model import ConstantValue, EffectInstance, Model
 from ..model.model_file import ABSENT
+from ..model.own_units import table_in
 from ..model.roles import COMPLIANT_EFFECTS, DRY_FRICTION, PLAY, SPRING, TORQUE_FACTOR
 from ..plant.driven_output import RESOLVED
 from ..simulation.assembly import assemble
@@ -101,7 +102,8 @@ class Hypothesis:
         name, _, parameter = rest.partition(".")
         if kind != "effects" or name not in self.added:
             return None
-        return next(p for p in catalogue()[self.added[name].effect].parameters if p.name == parameter)
+        effect = table_in(catalogue()[self.added[name].effect], self.base.units)
+        return next(p for p in effect.parameters if p.name == parameter)
 
     def lag(self) -> float:
         """Time [s] by which the current leads the motion."""
@@ -201,7 +203,7 @@ class Hypothesis:
 
     def with_effect(self, id: str, options: Mapping[str, str], parameters: Mapping[str, float]) -> Hypothesis:
         """Hypothesis with one more effect, its parameters free, starting from ``parameters`` (others: defaults)."""
-        effect = catalogue()[id]
+        effect = table_in(catalogue()[id], self.base.units)
         name, number = id, 2
         while name in self.added or name in self.base.effects:
             name, number = f"{id}_{number}", number + 1

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..effects import Effect, Parameter, Trait, catalogue, effects_with
 from ..model import EffectInstance, Model
-from ..model.own_units import is_linear
+from ..model.own_units import is_linear, table_in
 from ..simulation.angle_origins import acts_at_an_angle
 
 
@@ -69,7 +69,7 @@ def loads_at_an_angle(model: Model) -> list[Load]:
     """The loads at an angle that a machine may have."""
     found = []
     for id in sorted(effects_with(Trait.LOAD)):
-        effect = catalogue()[id]
+        effect = table_in(catalogue()[id], model.units)
         choices = effect.options[effect.law] if effect.law else ("",)
         for options in ({**effect.default_options(), **({effect.law: each} if each else {})} for each in choices):
             angle = next((p for p in effect.parameters_with(options) if p.periodic or p.is_place), None)

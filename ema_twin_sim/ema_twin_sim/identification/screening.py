@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..effects import catalogue
+from ..effects import Effect, catalogue
 from ..model import EffectInstance
+from ..model.own_units import table_in
 from ..model.roles import TORQUE_FACTOR
 from ..parallel import predictions
 from .candidates import Candidate, starts
 from .equation import EquationErrorProblem, torque_scale
 from .fit import Fit, prior_rows
-from .search_limits import Reached
 from .start_values import regressed_angle
 from .wandering import HARDLY
 
@@ -65,7 +65,7 @@ def screen(problem: EquationErrorProblem, f: Fit, options: Sequence[Candidate]) 
     jobs = [
         (c, groups[k : k + together])
         for c in options
-        for groups in [_start_groups(c, problem.reached)]
+        for groups in [_start_groups(problem, f, c)]
         for k in range(0, len(groups), together)
     ]
     found: dict[str, Screened] = {}
@@ -95,21 +95,27 @@ def _one_factor(f: Fit, c: Candidate) -> Screened:
     return Screened(c, {size.name: scale}, f.prior_cost - float(pr @ pr), lambda: moved.values - h.values)
 
 
-def _start_groups(c: Candidate, of: Reached) -> list[list[dict[str, float]]]:
+def _start_groups(problem: EquationErrorProblem, f: Fit, c: Candidate) -> list[list[dict[str, float]]]:
     """Group starts that differ only in one angle: a wave of any phase is a sum of theirs."""
-    angle = regressed_angle(catalogue()[c.effect])
+    angle = regressed_angle(_effect(f, c))
     turning = None if angle is None else angle.name
     groups: dict[tuple[float, ...], list[dict[str, float]]] = {}
-    for s in starts(c, of):
+    for s in starts(c, problem.reached, f.hypothesis.base.units):
         groups.setdefault(tuple(v for k, v in s.items() if k != turning), []).append(s)
     return list(groups.values())
+
+
+def _effect(f: Fit, c: Candidate) -> Effect:
+    """The effect of a candidate, the numbers of its table in the units of a fit's model."""
+    return table_in(catalogue()[c.effect], f.hypothesis.base.units)
 
 
 def _screened(
     problem: EquationErrorProblem, f: Fit, known: Known, c: Candidate, groups: Sequence[Sequence[dict[str, float]]]
 ) -> list[Screened]:
     """Gain of a candidate at each of its starts, with its angle free; starts that change nothing are left out."""
-    size = catalogue()[c.effect].parameters[0]
+    effect = _effect(f, c)
+    size = effect.parameters[0]
     per = 1.0 if size.neutral is None else STEP * max(abs(size.default - size.neutral), 1e-9)
     plain, scale = _columns(problem, f, c, [start for group in groups for start in group], per)
     rows = len(plain)  # torque rows only, or all
@@ -123,13 +129,14 @@ def _screened(
         # the part outside the span of the free parameters
         square = columns[:, part].T @ columns[:, part] - inside[:, part].T @ inside[:, part]
         if np.isfinite(square).all():
-            screened = _at_start(c, group, inside[:, part], square, along[part], known)
+            screened = _at_start(c, effect, group, inside[:, part], square, along[part], known)
             found += [] if screened is None else [screened]
     return found
 
 
 def _at_start(
     c: Candidate,
+    effect: Effect,
     group: Sequence[dict[str, float]],
     inside: np.ndarray,
     square: np.ndarray,
@@ -137,7 +144,6 @@ def _at_start(
     known: Known,
 ) -> Screened | None:
     """Gain of a candidate at one start, from products of its columns with each other and with the residual."""
-    effect = catalogue()[c.effect]
     size = effect.parameters[0]
     start = dict(group[0])
     if size.neutral is None:
@@ -168,7 +174,7 @@ def _columns(
 
     Its size is ``per`` beyond neutral. The second value is the divisor that gives the rows per unit of its size.
     """
-    size = catalogue()[c.effect].parameters[0]
+    size = _effect(f, c).parameters[0]
     if size.neutral is not None:
         starts = [{**start, size.name: size.neutral + per} for start in starts]
         every = problem.alike_beside_any(f.predicted, [EffectInstance(c.effect, c.options, one) for one in starts])

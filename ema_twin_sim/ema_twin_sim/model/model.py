@@ -14,6 +14,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.units import unit_in
 
 from ..effects import Effect, Parameter, find_effect
+from ..effects.catalogue import is_own
 from ..effects.effect import OUTPUT_TORQUE, POSITIVE, range_words
 from .constants import CONSTANTS
 
@@ -288,10 +289,14 @@ def check_range(value: object, lower: float, upper: float, unit: str, place: str
     return number
 
 
-def parameter_range(parameter: Parameter, motion: str) -> tuple[float, float, str]:
-    """(lower, upper, unit) of a parameter; on a linear machine an angle is a length without bounds."""
+def parameter_range(effect: Effect, parameter: Parameter, motion: str) -> tuple[float, float, str]:
+    """(lower, upper, unit) of a parameter of an effect.
+
+    On a linear machine an angle is a length. The bounds that the catalogue gives an angle do not hold for it; those of
+    a user's own effect do, since he wrote them for his machine.
+    """
     unit = parameter.unit if parameter.periodic else unit_in(parameter.unit, motion)
-    if unit == parameter.unit:
+    if unit == parameter.unit or is_own(effect):
         return parameter.lower, parameter.upper, unit
     lower = -math.inf if parameter.lower < 0.0 else min(parameter.lower, POSITIVE)
     return lower, math.inf, unit
@@ -336,6 +341,6 @@ def checked_instance(
                 f"{place}: parameter '{name}' [{parameter.unit}] of effect {effect.id} is missing; give it"
             )
         given = parameters.get(name, parameter.default)
-        lower, upper, unit = parameter_range(parameter, motion)
+        lower, upper, unit = parameter_range(effect, parameter, motion)
         values[name] = check_range(given, lower, upper, unit, f"{place}.{name}")
     return EffectInstance(effect.id, MappingProxyType(chosen), MappingProxyType(values))

@@ -23,7 +23,8 @@ from ema_bench_replay.long_columns import by_pieces, divided
 from ema_bench_replay.recording import MOTION, Recording
 from ema_bench_replay.units import signal_unit, unit_in
 
-from ..effects import find_effect
+from ..effects import Effect, Parameter, find_effect
+from ..effects.catalogue import is_own
 from .constants import CONSTANTS
 from .model import Model
 
@@ -86,6 +87,31 @@ class OwnUnits:
         turn = 2.0 * math.pi if unit == "1/rev" and self.radius is not None else 1.0  # a carriage's counts are per m
         sizes = (self.radius or 1.0, self.time, self.torque, self.current)
         return math.prod(size**power for size, power in zip(sizes, _powers(unit), strict=True)) / turn
+
+
+@cache
+def table_in(effect: Effect, units: OwnUnits | None) -> Effect:
+    """An effect, the numbers of its table in the units of a model.
+
+    Those of the catalogue are of a machine of the reference bench's size, as every machine is in own units. A user
+    writes those of his own effect for his machine, whose ``rad`` are metres if it is linear: they are converted to own
+    units, as the model's values are. An angle of a wave stays as it is.
+    """
+    if units is None or not is_own(effect):
+        return effect
+    return replace(effect, parameters=tuple(_in_units(parameter, units) for parameter in effect.parameters))
+
+
+def _in_units(parameter: Parameter, units: OwnUnits) -> Parameter:
+    factor = 1.0 if parameter.periodic else units.factor(parameter.unit)
+    return replace(
+        parameter,
+        default=parameter.default / factor,
+        lower=parameter.lower / factor,
+        upper=parameter.upper / factor,
+        starts=tuple(start / factor for start in parameter.starts),
+        neutral=None if parameter.neutral is None else parameter.neutral / factor,
+    )
 
 
 def model_in(model: Model, units: OwnUnits) -> Model:

@@ -21,7 +21,7 @@ def backwards(content: Content) -> str:
         parts.append(f"lacks {listed(gone)}, which the first, {before}, has")
     if farther:
         than = "" if gone else f" than the first, {before}"
-        where = "" if everywhere else f" in {signals_listed(farther)}"
+        where = "" if everywhere else f" in {signals_listed(content.given, farther)}"
         parts.append(f"is farther from the recordings{where}{than}")
     if not parts:
         return ""

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from ..comparison.compare import Signals
-from ..quantities import axis_unit
+from ..quantities import axis_unit, signal_words
 from .axis_limits import hides_the_rest, limit_words, range_beside
 from .beside import Beside
 from .chart import BENCH, MODELS, Chart, Charts, axis, line, noise_band, widths
-from .content import Content, Shown, signal_words
+from .content import Content, Shown
 from .envelope import envelope_rows
 from .markup import Markup, capitalised, section, swatch, tag
 
@@ -83,7 +83,7 @@ def _chart(name: str, content: Content, parts: Sequence[Shown], points: int, *, 
     choices = [
         _choice(name, each, error, names, points, limited=limited) for each, error in zip(besides, errors, strict=True)
     ]
-    title = signal_words(name)
+    title = content.given.words(name)
     twins = "both twins" if len(names) == 2 else "all twins"
     caption = f"{capitalised(title)}: measured and {twins}; below, measured minus twin"
     caption += limit_words(names[0]) if limited else ""
@@ -122,11 +122,11 @@ def _choice(
         above.append(curve((measured - residual) / whole, colour, title, "y", 1.4 * width))
         below.append(curve(residual / small, colour, title, "y2", 1.2 * width))
     if name == "unexplained_torque":
-        above[0]["name"] = "torque of the motor, measured"
+        above[0]["name"] = f"{signal_words('torque', first.unit)} of the motor, measured"
     floor = errors[name]["noise_floor"] / small
     layout = {
         "xaxis": axis(along),
-        "yaxis": axis(f"{signal_words(name)} [{unit}]", **(range_beside(above) if limited else {})),
+        "yaxis": axis(f"{signal_words(name, first.unit)} [{unit}]", **(range_beside(above) if limited else {})),
         "yaxis2": axis(f"residual [{of_residual}]", **(range_beside(below, 2.0 * floor) if limited else {})),
         "shapes": [noise_band(floor, "x", "y2")],
     }

@@ -14,6 +14,7 @@ from ..comparison.beyond_noise import shown_signals
 from ..comparison.compare import Comparison, compare_all, explained_signals
 from ..listing import listed
 from ..model import Model
+from ..quantities import signal_words
 from ..simulation.simulate import DRIVING
 from ..words.findings import Findings
 from ..words.fit_findings import FitFindings
@@ -39,6 +40,11 @@ class Shown:
         """The signals whose errors are meaningful."""
         first = self.comparisons[0]
         return [name for name in shown_signals(first.input, first.overall) if name in self.comparisons[-1].overall]
+
+    def words(self, name: str) -> str:
+        """``motor torque``, of a carriage ``motor force``: a signal as people call it."""
+        overall = self.comparisons[0].overall
+        return signal_words(name, overall[name]["unit"] if name in overall else "")
 
     @property
     def headlines(self) -> list[str]:
@@ -153,11 +159,6 @@ def _date(recording: Recording) -> tuple[float, str] | None:
     return seconds, f"{datetime.fromtimestamp(seconds, timezone.utc):%Y-%m-%d %H:%M}{zone}"
 
 
-def signal_words(name: str) -> str:
-    """``output position``."""
-    return name.replace("_", " ")
-
-
-def signals_listed(names: Sequence[str]) -> str:
+def signals_listed(given: Shown, names: Sequence[str]) -> str:
     """``the output position and the current``."""
-    return listed(f"the {signal_words(name)}" for name in names)
+    return listed(f"the {given.words(name)}" for name in names)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..listing import listed
-from ..quantities import axis_unit
+from ..quantities import axis_unit, signal_words
 from ..words.findings import CURVES, Findings, Signature
 from ..words.ranking import UNLIKELY, other_answers, ranked_words, size_words, worth_showing
 from ..words.sentences import (
@@ -23,7 +23,7 @@ from .chart import AFTER, BEFORE, RIVAL, Chart, Charts, Trace, axis, band, line
 from .content import Content
 from .markup import Markup, bar, capitalised, section, swatch, table, tag
 
-REFUSED = "closest to the remaining error, but not added: it explains too little"
+REFUSED = "closest to the remaining error, but the search did not add it"
 """Caption of the signature of an effect that the search tried last and did not add."""
 _HEIGHT = 300  # pixels
 _HEADROOM = 1.4  # limit of the axis, times the largest median
@@ -152,7 +152,7 @@ def signature_chart(signature: Signature) -> Chart:
         traces += [] if rival else band(x, lower, upper, name, role)
         dash = "dot" if curve["direction"] == "backward" else "solid"
         traces.append(line(x, median, name, role, width=1.5 if rival else 2.5, dash=dash))
-    against = signature.against.replace("_", " ") + (
+    against = signal_words(signature.against, signature.against_unit) + (
         f", folded at order {signature.order:g}" if signature.order is not None else ""
     )
     refused = "" if signature.taken else f" ({REFUSED})"
@@ -163,7 +163,7 @@ def signature_chart(signature: Signature) -> Chart:
         else ""
     )
     title = _plain(signature.title)
-    left_over = _QUANTITIES.get(signature.left_over, signature.left_over)
+    left_over = signal_words(_QUANTITIES.get(signature.left_over, signature.left_over), signature.unit)
     caption = f"{capitalised(title)}{refused}: {left_over}, against {against}{other}.{ways}"
     layout = {
         "xaxis": axis(f"{against} [{signature.against_unit}]"),

@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 
 from ..comparison.closeness import Closeness, closer
 from ..comparison.compare import Signals
-from ..quantities import quantity
+from ..quantities import quantity, signal_words
 from ..words.error_cells import ALL, closeness_cell
 from ..words.findings import UnseenErrors
 from ..words.sentences import by_number
-from .content import Content, Shown, signal_words
+from .content import Content, Shown
 from .markup import Markup, section, table, tag
 from .steps import from_the_given
 from .summary import error_table
@@ -68,7 +68,7 @@ def _by_recording(shown: Shown, name: str, names: Sequence[str]) -> Markup:
     overall = [comparison.overall for comparison in shown.comparisons]
     rows.append([tag("strong", cell) for cell in (ALL, *cells(overall, [each.overall for each in closest]))])
     floor = quantity(first.overall[name]["noise_floor"], unit)
-    caption = f"RMSE of the {signal_words(name)} (the sensors' noise: {floor})"
+    caption = f"RMSE of the {signal_words(name, unit)} (the sensors' noise: {floor})"
     heads = [head for later in names[1:] for head in (later, "times closer")]
     return table(("recording", names[0], *heads), rows, caption=caption, stacked=False)
 
@@ -81,6 +81,6 @@ def _unseen(unseen: UnseenErrors) -> Markup:
         for name, values in (*each, (ALL, whole))
     ]
     floor = quantity(unseen.noise_floor, unseen.unit)
-    caption = f"RMSE of the {signal_words(unseen.signal)} (the sensors' noise: {floor})"
+    caption = f"RMSE of the {signal_words(unseen.signal, unseen.unit)} (the sensors' noise: {floor})"
     head = ("recording", "before", *(["its own constants fitted"] if refitted else []), "after")
     return table(head, rows, caption=caption, stacked=False)

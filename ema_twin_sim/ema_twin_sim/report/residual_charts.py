@@ -14,7 +14,7 @@ from ..model import Model
 from ..quantities import axis_unit
 from .axis_limits import hides_the_rest, limit_words, range_beside
 from .chart import FAINT, MODELS, Chart, Trace, axis, band, label, line, log_axis, noise_band, widths
-from .content import Shown, signal_words
+from .content import Shown
 
 _BINS = 30
 _FEWEST = 5  # minimum number of samples of a bin
@@ -42,6 +42,7 @@ class Failures:
     """One signal's residual: charts against speed, position and direction, and its orders if anything turns."""
 
     signal: str
+    words: str  # the signal as people call it
     charts: tuple[Chart, ...]
     orders: Orders | None
 
@@ -61,7 +62,9 @@ def failures(given: Shown, model: Model, names: Sequence[str], *, limited: bool 
         geared = model.motion == "rotary" and not model.is_direct
         shown = _Signal(name, given, names, stretches, limited=narrow, geared=geared)
         orders = shown.over_order(model) if model.motion == "rotary" else None
-        found.append(Failures(name, (shown.over_speed(), shown.over_position(), shown.over_direction()), orders))
+        found.append(
+            Failures(name, shown.words, (shown.over_speed(), shown.over_position(), shown.over_direction()), orders)
+        )
     return found
 
 
@@ -85,7 +88,7 @@ class _Signal:
     ) -> None:
         """``geared``: whether the output has another speed than the motor."""
         error, first = given.comparisons[0].overall[name], given.curves[0][0]
-        self.words, self.models, self.base = signal_words(name), models, error["unit"]
+        self.words, self.models, self.base = given.words(name), models, error["unit"]
         self.roles = MODELS[: len(models)]
         self.widths = dict(zip(MODELS, widths(len(models)), strict=False))
         self.way, self.still = first.way, first.still

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..comparison.running_comparison import share_removed
 from ..listing import listed
-from ..quantities import axis_unit, estimate, quantity
+from ..quantities import axis_unit, estimate, quantity, signal_words
 from ..words.findings import Findings, Held, UnseenErrors
 from ..words.parameters import parameter_rows
 from ..words.sentences import (
@@ -26,7 +26,7 @@ from ..words.sentences import (
     why_step,
 )
 from .chart import AFTER, FAINT, Chart, Charts, axis, label, line, log_axis
-from .content import Content, signal_words
+from .content import Content
 from .difference import NewEffect, TwoValues, apart, two_values
 from .markup import Markup, section, table, tag
 
@@ -89,7 +89,8 @@ def falling(findings: Findings, unseen: UnseenErrors) -> Chart:
         "each with numbers fitted to the others" if len(unseen.recordings) > 1 else "to which the numbers were fitted"
     )
     caption = (
-        f"RMSE of the {signal_words(unseen.signal)} after each step: all recordings (thick) and each (thin), {judged}"
+        f"RMSE of the {signal_words(unseen.signal, unseen.unit)} after each step: all recordings (thick) and each "
+        f"(thin), {judged}"
     )
     layout = {
         "xaxis": axis("step", tickvals=[*range(len(at))], ticktext=places, range=[-0.4, len(at) - 0.6]),

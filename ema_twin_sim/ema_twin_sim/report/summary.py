@@ -10,7 +10,7 @@ from ..comparison.running_comparison import SignalError, excess_removed
 from ..criteria import NOISY
 from ..effects import catalogue
 from ..listing import few_of, listed, number_of
-from ..quantities import MOST_TIMES, limited_factor, quantity
+from ..quantities import MOST_TIMES, limited_factor, quantity, signal_words
 from ..words.findings import Findings, UnseenErrors
 from ..words.sentences import (
     NO_RUNNER_UP,
@@ -27,7 +27,7 @@ from ..words.sentences import (
 )
 from ..words.setpoint_shift import shift_sentence
 from .backwards import backwards, searched_model
-from .content import Content, Shown, dates, signal_words
+from .content import Content, Shown, dates
 from .difference import NewEffect
 from .markup import Markup, capitalised, items, joined, table, tag
 
@@ -109,7 +109,7 @@ def _lead(content: Content) -> str:
         sizes = f"stays at {ended}" if began == ended else f"{way} from {began} to {ended}"
         if before["rmse"] > MOST_TIMES * after["rmse"] > 0.0:  # a draft, or nothing left
             sizes = f"falls to {ended}, from over {MOST_TIMES:.0f} times that"
-        parts.append(f"that of the {signal_words(name)} {sizes} ({_noises(after)})")
+        parts.append(f"that of the {content.given.words(name)} {sizes} ({_noises(after)})")
     said = listed(parts).removeprefix("that of")
     findings = content.findings
     refit = refit_sentence(findings.unseen, searched_model(content)) if findings and findings.unseen else ""
@@ -126,7 +126,8 @@ def _lead(content: Content) -> str:
     if given > MOST_TIMES * unseen.rmse[-1]:  # a draft: what its constants alone achieve is the reference
         began = f"{quantity(unseen.rmse[0], unseen.unit)} with the constants alone refitted"
     changes = f"{began}, {quantity(unseen.rmse[-1], unseen.unit)} with the effects found"
-    judged = f"On recordings not used for fitting, the error (RMSE) of the {signal_words(unseen.signal)} is {changes}."
+    words = signal_words(unseen.signal, unseen.unit)
+    judged = f"On recordings not used for fitting, the error (RMSE) of the {words} is {changes}."
     of = f"{of[:1].lower()}{of[1:]}"
     fitted = f"On all recordings, with numbers fitted to all of them: {of}, the error of{said}."
     return f"{judged}{alone} {fitted} {_fitted(content)}".strip()
@@ -242,7 +243,7 @@ def _left(content: Content) -> list[Markup]:
             if unseen.noise_floor > 0.0 and unseen.rmse[-1] > NOISY * unseen.noise_floor:
                 apart += f", {times_words(unseen.rmse[-1] / unseen.noise_floor)} the sensors' noise"
             rmse = f"{apart} on recordings not used for fitting; with numbers fitted to all recordings {rmse}"
-        said = f"{capitalised(signal_words(name))}: {rmse}, {noise}."
+        said = f"{capitalised(content.given.words(name))}: {rmse}, {noise}."
         lines.append(said if is_noise(error) else f"{said} {where}".strip())
     findings = content.findings
     if findings is not None and findings.stopped:
@@ -259,7 +260,7 @@ def error_table(
         before, *others = (comparison.overall[name] for comparison in given.comparisons)
         shares = (_removed(before, after) for after in others)
         errors = map(_against_noise, (before, *others))
-        rows.append((signal_words(name), quantity(before["noise_floor"], before["unit"]), *errors, *shares))
+        rows.append((given.words(name), quantity(before["noise_floor"], before["unit"]), *errors, *shares))
     removed = "excess over noise removed"
     heads = [removed] if len(names) == 2 else [f"{removed}, {name}" for name in names[1:]]
     said = f"{caption}; in brackets, times the sensors' noise. Excess: the mean square above that of the noise."

@@ -8,7 +8,7 @@ from ..comparison.beyond_noise import is_noise
 from ..comparison.where import FEWEST_SAMPLES
 from ..quantities import quantity
 from .chart import MODELS, Charts
-from .content import Content, Shown, signal_words, signals_listed
+from .content import Content, Shown, signals_listed
 from .markup import Markup, capitalised, items, joined, section, swatch, table, tag
 from .residual_charts import failures, named_orders
 
@@ -22,7 +22,9 @@ def where(content: Content, charts: Charts) -> Markup:
         if each.orders is not None:
             figures.append(charts.add(each.orders.chart))
             unit = each.orders.unit
-            orders[signal_words(each.signal)] = [[quantity(a, unit) for a in peaks] for *_, peaks in each.orders.named]
+            orders[content.given.words(each.signal)] = [
+                [quantity(a, unit) for a in peaks] for *_, peaks in each.orders.named
+            ]
     if not figures:
         takes = f"{FEWEST_SAMPLES} samples, the current, and the motor's position or speed"
         return section("where", "Where the models fail", tag("p", f"This needs {takes}."))
@@ -65,6 +67,6 @@ def sentences(given: Shown) -> list[str]:
         found = [next((d.sentence() for d in comparison.where if d.signal == signal), "") for signal in poor]
         said = " ".join(text for text in found if text)
         if not poor:
-            said = f"{capitalised(signals_listed(given.headlines))}: at the sensors' noise."
+            said = f"{capitalised(signals_listed(given, given.headlines))}: at the sensors' noise."
         lines.append(said or "The location cannot be determined.")
     return lines

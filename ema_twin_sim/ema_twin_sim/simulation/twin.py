@@ -134,10 +134,11 @@ class Twin:
             for c in (CONSTANTS[path],)
         ]
         for name, instance in self._model.effects.items():
-            for p in catalogue()[instance.effect].parameters:
+            effect = catalogue()[instance.effect]
+            for p in effect.parameters:
                 value = instance.parameters.get(p.name, p.default)  # of another law: it may be chosen in a run
                 path = f"effects.{name}.{p.name}"
-                lower, upper, unit = parameter_range(p, self._model.motion)
+                lower, upper, unit = parameter_range(effect, p, self._model.motion)
                 found.append(ParameterDescription(path, value, unit, lower, upper, p.description))
         return found
 

@@ -11,8 +11,8 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from ..listing import listed
-from ..quantities import axis_unit, quantity
-from ..report.content import Shown, signal_words
+from ..quantities import axis_unit, quantity, signal_words
+from ..report.content import Shown
 from ..report.steps import falling
 from ..words.findings import Findings
 from ..words.sentences import effect_words
@@ -46,8 +46,8 @@ def _errors(given: Shown, names: Sequence[str]) -> list[Bar]:
             if error["noise_floor"] > 0.0:
                 times = error["rmse"] / error["noise_floor"]
                 text = f"{quantity(error['rmse'], error['unit'])}, {times:.3g} × noise"
-                label = signal_words(name) if number == len(names) // 2 else ""
-                bars.append(Bar(f"{signal_words(name)}, {model}", times, text, MODELS[number], label=label))
+                label = given.words(name) if number == len(names) // 2 else ""
+                bars.append(Bar(f"{given.words(name)}, {model}", times, text, MODELS[number], label=label))
     return bars
 
 
@@ -85,7 +85,7 @@ def after_tab(given: Shown, names: Sequence[str], findings: Findings | None) -> 
     """All models' errors on the left, how they fell on the right."""
     steps = []
     if findings is not None and findings.unseen is not None and len(findings.unseen.rmse) > 1:
-        words = signal_words(findings.unseen.signal)
+        words = signal_words(findings.unseen.signal, findings.unseen.unit)
         steps.append(sheet_view(f"{ROOT}/falling", f"RMSE of the {words} after each step, on unseen recordings"))
     if findings is not None and len(_outputs(findings)) > 1:
         steps.append(sheet_view(f"{ROOT}/output", "RMSE of the output's position after each step"))

@@ -8,10 +8,10 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from ..quantities import axis_unit
+from ..quantities import axis_unit, signal_words
 from ..report.beside import Beside, Curves
 from ..report.compared import abscissa, signals_drawn
-from ..report.content import Shown, signal_words
+from ..report.content import Shown
 from .palette import MEASURED, MODELS, QUIET
 from .stream import path_of, send, send_level, style
 
@@ -119,7 +119,7 @@ def signal_column(
     Of columns side by side one has a ``legend``, with axes that have ``room`` for it.
     """
     over = f" over {along}, 1 s per unit" if along else ""
-    words = signal_words(name)
+    words = signal_words(name, unit)
     above = f"{words} [{unit}]: measured and twin{over}"
     below = f"{words}: measured − twin [{residual_unit}]"
     together = rrb.TimeAxis(link="LinkToGlobal")

@@ -9,7 +9,6 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from ..quantities import quantity
-from ..report.content import signal_words
 from ..report.residual_charts import Failures
 from .drawn_chart import draw
 from .palette import TEXT
@@ -84,7 +83,7 @@ def failing_tab(found: Sequence[Failures], models: int) -> rrb.Container:
     """One tab per signal: up to four charts, and next to them their description; ``models`` is the number of models."""
     tabs = []
     for each in found:
-        at, words = f"{ROOT}/{each.signal}", signal_words(each.signal)
+        at, words = f"{ROOT}/{each.signal}", each.words
         views = [sheet_view(f"{at}/{place}", f"{words} against {place.removeprefix('output_')}") for place in _PLACES]
         if each.orders is not None:
             views.append(sheet_view(f"{at}/order", f"{words} against order"))

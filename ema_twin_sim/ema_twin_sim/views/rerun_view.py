@@ -13,7 +13,7 @@ import rerun.blueprint as rrb
 
 from ..model import Model
 from ..plant.planetary.geometry import Gearing
-from ..report.content import signal_words
+from ..quantities import signal_words
 from ..simulation.compared_signals import UNITS
 from .beside_curves import send_noise, signal_column, style_noise
 from .gear_train import log_train, send_motion, train_tab

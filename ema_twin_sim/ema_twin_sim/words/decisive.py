@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from ..comparison.beyond_noise import beyond_noise
 from ..comparison.compare import Comparison
 from ..comparison.decisive_stretch import DecisiveStretch
+from ..quantities import signal_words
 
 _ROUNDED = 1e-3  # s, to which times are told
 
@@ -26,10 +27,11 @@ def decisive_sentence(comparison: Comparison, start: float = 0.0) -> str:
         if sum(held.values()) > 0.5 * sum(squares.values()):
             name = max(held, key=lambda name: held[name])
             samples, power = 100.0 * of[name].of_samples, 100.0 * of[name].of_squares
+            words = signal_words(signal, comparison.overall[signal]["unit"])
             others = f" (likewise in {len(of) - 1} more)" if len(of) > 1 else ""
             return (
                 f"{name}: {_span(of[name], start)} ({samples:.3g} % of its samples) hold {power:.0f} % of the squared "
-                f"error of the {signal.replace('_', ' ')}{others}, so its RMSE says little about the rest. "
+                f"error of the {words}{others}, so its RMSE says little about the rest. "
                 f"{_remedy(comparison, of, start)}"
             )
     return ""

@@ -15,7 +15,7 @@ from ..listing import listed
 from ..model import Model
 from ..model.model import ORDER_ERROR
 from ..model.own_units import is_linear
-from ..quantities import MOST_TIMES, limited_factor, quantity
+from ..quantities import MOST_TIMES, limited_factor, quantity, signal_words
 
 if TYPE_CHECKING:
     from ..comparison.running_comparison import SignalError
@@ -106,7 +106,7 @@ def left_sentence(unseen: Unseen | UnseenErrors) -> str:
     floor = unseen.noise_floor
     if not floor > 0.0 or unseen.rmse[-1] <= NOISY * floor:
         return ""
-    error = f"the error of the {unseen.signal.replace('_', ' ')}"
+    error = f"the error of the {signal_words(unseen.signal, unseen.unit)}"
     if not math.isfinite(unseen.rmse[-1]):
         return f"After the last step {error} is not known: the simulation of a recording ends with these numbers."
     left = f"After the last step {error} is still {times_words(unseen.rmse[-1] / floor)} the sensors' noise"
@@ -131,7 +131,7 @@ def refit_sentence(unseen: Unseen | UnseenErrors, model: str = YOURS) -> str:
         return ""
     before, after = quantity(unseen.given, unseen.unit), quantity(unseen.rmse[0], unseen.unit)
     whose = f"{model[:1].lower()}{model[1:]}" if model == YOURS else model
-    error = f"the error of the {unseen.signal.replace('_', ' ')}"
+    error = f"the error of the {signal_words(unseen.signal, unseen.unit)}"
     if unseen.given > MOST_TIMES * unseen.rmse[0]:
         return f"Fitting the constants of {whose} alone brings {error} to {after}; {FAR_OFF} (over 1000 times that)."
     does = f"leaves {error} at {after}" if before == after else f"changes {error} from {before} to {after}"
@@ -159,7 +159,7 @@ def fit_sentences(
     moved, left = [], []
     for name in telling:
         before, after = (quantity(errors[name]["rmse"], errors[name]["unit"]) for errors in (found, fitted))
-        whose = f"that of the {name.replace('_', ' ')}"
+        whose = f"that of the {signal_words(name, found[name]['unit'])}"
         if before == after:
             left.append(f"{whose} at {after}")
         else:
@@ -173,22 +173,22 @@ def fit_sentences(
     gain = ""
     if fit.after[worst] >= fit.before[worst]:
         gain = "; fitting brings no gain there: keep the found model"
-    which = "that error" if len(telling) == 1 else f"the error of the {worst.replace('_', ' ')}"
+    which = "that error" if len(telling) == 1 else f"the error of the {signal_words(worst, fitted[worst]['unit'])}"
     beside = f"the found model, which was fitted to all recordings, has {before} there"
     return f"{said} On data not used for the fit ({fit.judged_on}), {which} is {after}; {beside}{gain}."
 
 
-def beyond_words(beyond: Mapping[str, float]) -> str:
+def beyond_words(beyond: Mapping[str, float], unit: str = "") -> str:
     """``the speed's error is 6.0 times the sensors' noise and the current's 1.3 times``; empty without signals.
 
-    Of a signal whose noise is zero, that it is unknown.
+    Of a signal whose noise is zero, that it is unknown. ``unit`` is that of the torque: a carriage has a force.
     """
-    each = [(f"the {name.replace('_', ' ')}'s", times_words(t)) for name, t in beyond.items() if math.isfinite(t)]
+    each = [(f"the {signal_words(name, unit)}'s", times_words(t)) for name, t in beyond.items() if math.isfinite(t)]
     said = [
         f"{whose} {times}" if k else f"{whose} error is {times} the sensors' noise"
         for k, (whose, times) in enumerate(each)
     ]
-    unknown = [name.replace("_", " ") for name, times in beyond.items() if math.isinf(times)]
+    unknown = [signal_words(name, unit) for name, times in beyond.items() if math.isinf(times)]
     if unknown:
         said.append(f"the noise of the {listed(unknown)} is not known, so nothing says how large an error may be")
     return listed(said)
@@ -201,7 +201,8 @@ def verdict_of(found: Discovery | Findings, model: str = YOURS, without: Sequenc
     if found.verdict == "none":
         of = "" if model == YOURS else f" in {model}"
         if found.beyond_noise:
-            return f"These recordings show no missing effect{of}, but {beyond_words(found.beyond_noise)}."
+            unit = found.unseen.unit if found.unseen is not None else ""
+            return f"These recordings show no missing effect{of}, but {beyond_words(found.beyond_noise, unit)}."
         return f"These recordings show nothing missing{of}."
     if found.verdict == "explained":
         return f"{lacks}."

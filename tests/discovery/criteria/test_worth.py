@@ -20,6 +20,7 @@ from ema_twin_sim.discovery.criteria.worth import (
     left_over,
     noise_per_unit,
     penalised_gain,
+    size_where_it_acts,
 )
 from tests.fits_by_hand import COMPARES, a_problem
 
@@ -61,6 +62,15 @@ class TestSize:
         before = a_fit([1.0] * 50 + [2.0] * 50)
         after = a_fit([1.0] * 100, added=("gravity_load",))
         assert largest_rms_reduction(problem, before, after) == pytest.approx(np.sqrt(3.0))
+
+    @pytest.mark.parametrize("share", [1.0, 0.1, 0.01])
+    def test_an_action_has_its_size_however_few_rows_it_acts_on(self, share):
+        way = np.linspace(-1.0, 1.0, 20_001)
+        pull = way / share * np.exp(0.5 - 0.5 * (way / share) ** 2) if share < 1.0 else np.ones(len(way))
+        assert 0.4 <= size_where_it_acts(2.0 * pull) / 2.0 <= 1.0
+
+    def test_what_acts_nowhere_has_no_size(self):
+        assert size_where_it_acts(np.zeros(50)) == size_where_it_acts(np.zeros(0)) == 0.0
 
     def test_what_became_worse_is_none(self):
         before, after = a_fit([1.0] * 50), a_fit([2.0] * 50, added=("gravity_load",))

@@ -30,6 +30,7 @@ from ...identification.fit import Fit, fit, prior_rows
 from ...identification.hypothesis import LAG, SIDED
 from ...identification.on_bound import is_simpler_law, reached_bound
 from ...identification.uncertainty import covariance, scaled_inverse
+from ...model.own_units import table_in
 from ...model.roles import FRICTION, TORQUE_FACTOR
 from .few_rows import shows_in_few_rows
 from .in_place_of_dry_friction import in_place_of_dry_friction
@@ -96,7 +97,7 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
     paths = [free.path for free in f.hypothesis.free]
     for name in reversed([*f.hypothesis.added]):
         instance = f.hypothesis.instance(name)
-        effect = catalogue()[instance.effect]
+        effect = table_in(catalogue()[instance.effect], f.hypothesis.base.units)
         size = effect.parameters[0]
         spread = of_waves if name in waves else whole
         if f.hypothesis.base.is_open and (

@@ -258,8 +258,9 @@ def _within_counts(f: Fit, name: str) -> bool:
 def _within_steps(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     """Whether a load, or a torque that differs by direction, is below one step of the torque reading.
 
-    A drive that rounds down looks like such a load. Tested only with open constants; otherwise the model file says how
-    the sensor reads.
+    A drive that rounds down looks like such a load. The effect is measured where it acts: a magnet that pulls within a
+    few millimetres does nothing in most rows of a longer way, and no rounding has its size. Tested only with open
+    constants; otherwise the model file says how the sensor reads.
     """
     instance = f.hypothesis.instance(name)
     if catalogue()[instance.effect].depends_on not in NEARLY_CONSTANT or not f.hypothesis.base.is_open:
@@ -269,7 +270,14 @@ def _within_steps(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
         return False
     size = catalogue()[instance.effect].parameters[0]
     slope = f.slopes()[f"effects.{name}.{size.name}"][: problem.size]
-    return abs(instance.parameters[size.name]) * float(np.median(np.abs(slope) * problem.noise)) < step
+    return abs(instance.parameters[size.name]) * size_where_it_acts(slope * problem.noise) < step
+
+
+def size_where_it_acts(action: np.ndarray) -> float:
+    """Median of the sizes of an effect's action over rows (n,), without those in which it does next to nothing."""
+    sizes = np.abs(action)
+    acts = sizes >= SMALL * float(sizes.max(initial=0.0))
+    return float(np.median(sizes[acts])) if acts.any() else 0.0
 
 
 def _hardly_repeats(problem: EquationErrorProblem, before: Fit, after: Fit, name: str) -> bool:

@@ -24,6 +24,7 @@ from ...identification.prediction import Prediction
 from ...identification.screening import STEP
 from ...identification.start_values import regressed_angle
 from ...model import EffectInstance
+from ...model.own_units import table_in
 
 
 def share_told(apart: float) -> float:
@@ -162,7 +163,7 @@ def _columns(h: Hypothesis, excluded: frozenset[str]) -> tuple[_Column, ...]:
     """The effects that may be added, with default options; two angles for an effect with a free angle."""
     found: list[_Column] = []
     for c in candidates(h, excluded | set(COMPLIANT_EFFECTS) | h.held):
-        effect = catalogue()[c.effect]
+        effect = table_in(catalogue()[c.effect], h.base.units)
         size, turning = effect.parameters[0], regressed_angle(effect)
         if c.options != effect.default_options() or size.neutral is None or size.default == size.neutral:
             continue  # no information about an effect that is not proportional to its size

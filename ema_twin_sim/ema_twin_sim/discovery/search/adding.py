@@ -19,6 +19,7 @@ from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.local_minima import hopped
 from ...identification.screening import Screened, screen
 from ...identification.sensors import gearbox_shows
+from ...model.own_units import table_in
 from ...model.roles import TORQUE_FACTOR
 from ...parallel import predictions
 from ..criteria.worth import (
@@ -101,7 +102,7 @@ def with_one_more(current: Fit, h: Hypothesis) -> Fit:
     If the linear estimate went too far, start from a typical size, or from almost no effect.
     """
     name = next(n for n in h.added if n not in current.hypothesis.added)
-    size = catalogue()[h.added[name].effect].parameters[0]
+    size = table_in(catalogue()[h.added[name].effect], h.base.units).parameters[0]
     tried = [fit(current.problem, h, 6, known=current)]
     begun = h.instance(name).parameters[size.name]
     if size.neutral is not None:

@@ -56,7 +56,7 @@ def _under_other_laws(f: Fit, name: str, effect: Effect) -> list[Hypothesis]:
     return [
         bare.with_effect(effect.id, options, instance.parameters)
         for options in others
-        if any(starts(Candidate(effect.id, options), f.problem.reached))
+        if any(starts(Candidate(effect.id, options), f.problem.reached, bare.base.units))
     ]
 
 
