@@ -138,7 +138,7 @@ def _regressed(
 ) -> BalanceEstimate | None:
     """Least squares over all recordings with some ``loads``; None if the inertia is not ``significant``.
 
-    That it is if it is far beyond its standard error, and if nothing else of the motion can stand for it.
+    That it is if it is far beyond its standard error, and if the loads cannot stand for it.
     """
     columns = np.concatenate([part[0][:, [0, 1, 2, *loads]] for part in parts])
     torque = np.concatenate([part[1] for part in parts])
@@ -153,7 +153,10 @@ def _regressed(
     covariance = spread * np.linalg.pinv(scaled.T @ scaled, hermitian=True)
     inertia, viscous, coulomb = values[:3] / size[:3]
     error = math.sqrt(covariance[0, 0]) / size[0]
-    if significant and (inertia < CONTRADICTED * error or _replaced(scaled, float(values[0]), math.sqrt(spread))):
+    if significant and inertia < CONTRADICTED * error:
+        return None
+    simpler = loads != LOADS[-1]  # there are fewer loads to try, which leave the inertia more of the torque
+    if significant and simpler and _replaced(scaled, float(values[0]), math.sqrt(spread)):
         return None
     if not significant:
         hardly_more = SMALL * float(np.sqrt(np.mean(torque**2))) / size[0]
