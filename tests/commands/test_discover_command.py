@@ -295,6 +295,23 @@ def test_verdicts_in_words():
     assert wording.effect_words("time#3") == "any dependence on time"
 
 
+def test_the_verdict_tells_on_which_side_another_friction_is():
+    """A model with viscous friction was said to lack viscous friction."""
+
+    def sentence(**sides):
+        added = {name: {"effect": "viscous_friction", "options": {"side": side}} for name, side in sides.items()}
+        return wording.verdict_of(Findings("explained", ("viscous_friction",), parameters=added))
+
+    lacks = "Your model lacks viscous friction"
+    assert sentence(viscous_friction_2="output") == f"{lacks} on the output's side."
+    assert sentence(viscous_friction_2="motor") == f"{lacks} on the motor's side."
+    assert (
+        sentence(viscous_friction="motor", viscous_friction_2="output")
+        == f"{lacks} on the motor's and the output's side."
+    )
+    assert sentence(viscous_friction="motor") == f"{lacks}."
+
+
 def test_the_command_to_see_how_far_off_it_is(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     folder = Path("my runs")

@@ -31,6 +31,37 @@ def test_one_that_also_rises_holds_more_than_one_run(tmp_path, time):
         read(tmp_path, time)
 
 
+@pytest.mark.parametrize(
+    ("row", "value", "line"),
+    [
+        (20, 0.05, 22),  # too early
+        (20, 7.0, 22),  # too late
+        (49, 0.05, 51),  # the last one
+    ],
+)
+def test_a_single_row_out_of_order_is_to_be_removed(tmp_path, row, value, line):
+    """It was taken for the beginning of a second run."""
+    time = TIME.copy()
+    time[row] = value
+    said = rf"time goes back .*only the row of {value:g} s lies out of order.*: remove line {line}$"
+    with pytest.raises(TimeGoesBackError, match=said):
+        read(tmp_path, time)
+    assert len(read(tmp_path, np.delete(time, row)).time) == len(TIME) - 1
+
+
+def test_single_rows_out_of_order_are_told_together(tmp_path):
+    time = np.arange(300) * 0.01
+    time[[30, 200]] = 0.1, 9.0
+    with pytest.raises(TimeGoesBackError, match=r"2 single rows lie out of order.*: remove lines 32, 202$"):
+        read(tmp_path, time)
+
+
+def test_clocks_that_take_turns_are_no_single_rows(tmp_path):
+    time = np.where(np.arange(50) % 2, TIME + 100.0, TIME)
+    with pytest.raises(TimeGoesBackError, match="more than one run"):
+        read(tmp_path, time)
+
+
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("size", [2_000, 200_000])
 def test_random_bytes_are_no_text(tmp_path, seed, size):

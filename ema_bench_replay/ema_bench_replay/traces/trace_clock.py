@@ -12,6 +12,7 @@ from ema_bench_replay.long_columns import by_pieces, differences, extremes, less
 from ema_bench_replay.some_of import some_of
 from ema_bench_replay.traces.import_map import TIME_UNITS, Column, ImportMap
 from ema_bench_replay.traces.run_columns import how_to_read_runs, run_columns
+from ema_bench_replay.traces.stray_rows import stray_rows
 from ema_bench_replay.traces.trace_table import TraceTable
 from ema_bench_replay.traces.wrapped_time import WrappedTime, unwrapped_time
 
@@ -68,7 +69,7 @@ def read_clock(table: TraceTable, import_map: ImportMap) -> Clock:
         stamps = less_rows(stamps, repeats)
         back, repeats = _not_rising(stamps)
     if back.size or repeats.size:
-        raise _refusal(table, place, unit, back, repeats, import_map)
+        raise _refusal(table, place, unit, stamps, back, repeats, import_map)
     if len(stamps) < 2:
         raise InputError(f"{table.path}: has one row only; a recording needs at least two")
     if not import_map.of_points:
@@ -120,7 +121,13 @@ def _in_words(table: TraceTable, place: int, unit: str, few: np.ndarray, stopped
 
 
 def _refusal(
-    table: TraceTable, place: int, unit: str, back: np.ndarray, repeats: np.ndarray, import_map: ImportMap
+    table: TraceTable,
+    place: int,
+    unit: str,
+    stamps: np.ndarray,
+    back: np.ndarray,
+    repeats: np.ndarray,
+    import_map: ImportMap,
 ) -> InputError:
     """Why a clock with rows that go ``back`` or with ``repeats`` is none, where, and what to do."""
     values = table.columns[place]
@@ -130,6 +137,8 @@ def _refusal(
         how, remedy = "falls", "it does so from row to row throughout: sort the rows by their time, or reverse them"
     elif back.tolist() == [1]:
         remedy = f"only the first row is late: remove line {table.line(0)}"
+    elif (stray := stray_rows(stamps, back)).size:
+        remedy = _stray_in_words(table, place, unit, stray)
     if not back.size:
         how = "repeats"
         remedy = (
@@ -142,6 +151,16 @@ def _refusal(
     shown = f"{values[row]:.10g} {unit} after {values[row - 1]:.10g} {unit}"
     said = f"{table.place(row)}: column {table.header[place]!r}: time {how} ({shown}); {remedy}"
     return TimeGoesBackError(said, len(values)) if back.size else InputError(said)
+
+
+def _stray_in_words(table: TraceTable, place: int, unit: str, stray: np.ndarray) -> str:
+    """What to do with rows (m,) that lie out of order by themselves."""
+    lines = some_of(str(table.line(int(row))) for row in stray)
+    if stray.size > 1:
+        return f"{stray.size} single rows lie out of order, and time goes on after each: remove lines {lines}"
+    value = f"{table.columns[place][stray[0]]:.10g} {unit}"
+    goes_on = ", and time goes on after it" if stray[0] + 1 < len(table.columns[place]) else ""
+    return f"only the row of {value} lies out of order{goes_on}: remove line {lines}"
 
 
 def _reading_runs(table: TraceTable, import_map: ImportMap) -> str:

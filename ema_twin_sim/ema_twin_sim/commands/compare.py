@@ -63,7 +63,7 @@ def run(
     misread = dict.fromkeys(text for c in comparisons for text in c.misread)
     warn_of(misread, recordings)
     for given in models:
-        if said := open_values_sentence(given):
+        if said := open_values_sentence(given, recordings):
             say(said)
     show_comparison(comparisons, labels=model, start=start or 0.0)
     warned = dict.fromkeys(text for c in comparisons for text in c.warnings)

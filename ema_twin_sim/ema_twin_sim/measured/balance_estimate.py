@@ -14,7 +14,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording, spread
 
-from ..criteria import CONTRADICTED, NEGLIGIBLE, SMALL
+from ..criteria import CONTRADICTED, MOSTLY, NEGLIGIBLE, SMALL
 from ..model import Model
 from ..simulation.sensor_noise import counter_noise
 from .held_readings import noise_of_held, noise_of_readings
@@ -28,7 +28,9 @@ KERNEL = 0.07  # of the machine's own time sqrt(J / T): the kernel's standard de
 ROWS = 200  # no estimate with fewer rows
 LOADS = ((3, 4, 5, 6), (6,))  # columns that depend on the angle, plus a constant load
 """Loads that are tried with inertia and friction. If a motion swings about one angle, acceleration is proportional to
-the angle: any load over the angle then replaces the inertia, whose order of magnitude only shows without such loads."""
+the angle: any load over the angle then replaces the inertia, whose order of magnitude only shows without such loads.
+Hardly any swing is pure, and a load of another shape moves it: least squares then takes that load for the acceleration
+of a huge inertia, with a small standard error (``_replaced``)."""
 
 
 @dataclass(frozen=True)
@@ -134,7 +136,10 @@ def _smoothed(
 def _regressed(
     parts: Sequence[tuple[np.ndarray, np.ndarray]], loads: Sequence[int], *, significant: bool = True
 ) -> BalanceEstimate | None:
-    """Least squares over all recordings with some ``loads``; None if the inertia is not ``significant``."""
+    """Least squares over all recordings with some ``loads``; None if the inertia is not ``significant``.
+
+    That it is if it is far beyond its standard error, and if the loads cannot stand for it.
+    """
     columns = np.concatenate([part[0][:, [0, 1, 2, *loads]] for part in parts])
     torque = np.concatenate([part[1] for part in parts])
     if len(torque) < 3 * columns.shape[1]:
@@ -150,9 +155,25 @@ def _regressed(
     error = math.sqrt(covariance[0, 0]) / size[0]
     if significant and inertia < CONTRADICTED * error:
         return None
+    simpler = loads != LOADS[-1]  # there are fewer loads to try, which leave the inertia more of the torque
+    if significant and simpler and _replaced(scaled, float(values[0]), math.sqrt(spread)):
+        return None
     if not significant:
         hardly_more = SMALL * float(np.sqrt(np.mean(torque**2))) / size[0]
         inertia = min(max(float(inertia), error), hardly_more)
     if inertia <= 0.0:
         return None
     return BalanceEstimate(float(inertia), max(float(viscous), 0.0), max(float(coulomb), 0.0))
+
+
+def _replaced(scaled: np.ndarray, inertial: float, left: float) -> bool:
+    """Whether other columns of the regression can stand for the acceleration, its first (m, k), each of rms one.
+
+    They can if the acceleration mostly goes with them, and if its remainder takes less of the torque than is ``left``
+    over [N m]: what is missing among the columns (no load is of exactly their shapes) may then be all that the
+    remainder shows. ``inertial`` is the rms torque of the inertia [N m].
+    """
+    others = scaled[:, 1:]
+    with_them, *_ = np.linalg.lstsq(others, scaled[:, 0], rcond=1e-9)
+    own = float(np.mean((scaled[:, 0] - others @ with_them) ** 2))
+    return 1.0 - own > MOSTLY and inertial * math.sqrt(own) < left

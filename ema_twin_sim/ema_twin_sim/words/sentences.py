@@ -196,7 +196,7 @@ def beyond_words(beyond: Mapping[str, float], unit: str = "") -> str:
 
 def verdict_of(found: Discovery | Findings, model: str = YOURS, without: Sequence[str] = ()) -> str:
     """A sentence on what the recordings say about a model; ``without`` are effects that were not looked for."""
-    named = listed(_or_its_likes(effect, found.added, found.groups) for effect in found.added) if found.added else ""
+    named = listed(_or_its_likes(effect, found) for effect in found.added) if found.added else ""
     lacks = f"{model} lacks {named}" if named else ""
     if found.verdict == "none":
         of = "" if model == YOURS else f" in {model}"
@@ -226,10 +226,31 @@ NOT_IN_CATALOGUE = "an effect not in the catalogue"
 """Label of the rest of the probability."""
 
 
-def _or_its_likes(effect: str, effects: Sequence[str], groups: Sequence[Sequence[str]]) -> str:
+def _or_its_likes(effect: str, found: Discovery | Findings) -> str:
     """``Stribeck friction (or quadratic drag)`` if the recordings cannot tell which of them it is."""
-    likes = dict.fromkeys(other for group in groups if effect in group for other in group if other not in effects)
-    return f"{effect_words(effect)} (or {listed(map(effect_words, likes), 'or')})" if likes else effect_words(effect)
+    likes = dict.fromkeys(
+        other for group in found.groups if effect in group for other in group if other not in found.added
+    )
+    named = _with_side(effect, found.parameters or {})
+    return f"{named} (or {listed(map(effect_words, likes), 'or')})" if likes else named
+
+
+def _with_side(effect: str, parameters: Mapping[str, Mapping[str, Any]]) -> str:
+    """An added effect in words, with the sides on which it was added if the model has it elsewhere, or may.
+
+    ``parameters`` are those of the added effects by their instances' names: ``viscous_friction_2`` is a second one. The
+    output's side is always told, since a model's first friction is the motor's.
+    """
+    added = {
+        name: entry["options"]["side"]
+        for name, entry in parameters.items()
+        if entry["effect"] == effect and "side" in entry["options"]
+    }
+    sides = [f"the {side}'s" for side in dict.fromkeys(added.values())]
+    told = any(name != effect or side == "output" for name, side in added.items())
+    if not told:
+        return effect_words(effect)
+    return f"{effect_words(effect)} on {listed(sides)} side"
 
 
 def options_words(options: Mapping[str, str]) -> str:
