@@ -377,3 +377,23 @@ def test_a_draft_says_that_the_second_encoder_was_left_out_for_its_holes(tmp_pat
     assert "to use it, fill in these cells or remove their rows" in told
     assert "output position [rad] cannot be left out: fill in the missing values in" in told
     assert "add its column" not in told
+
+
+@pytest.mark.slow
+def test_play_whose_flanks_an_unseen_load_chooses_is_as_wide_as_they_are_apart(tmp_path):
+    """A weight holds the output on one flank on either side of an angle: no friction at the output does that."""
+    runs = []
+    for number, (quicker, amplitude) in enumerate(((1.0, 0.9), (2.0, 0.6))):
+        time = np.arange(8000) * 2e-3
+        angle = amplitude * np.sin(1.6 * quicker * time) * np.minimum(time, 1.0) ** 2
+        output = angle - 0.5 * 1.6e-3 * np.tanh(np.sin(angle - 0.25) / 0.01)
+        noise = np.random.default_rng(number)
+        steps = {"motor": RATIO * angle, "output": output - output[0]}
+        columns = {f"{side} position [rad]": a + noise.normal(0.0, 5e-6, len(time)) for side, a in steps.items()}
+        runs.append({"time [s]": time, **columns})
+    found = discover(*of_columns(tmp_path, runs))
+    assert "backlash" in found.added
+    width = found.parameters["backlash"]["width"]
+    assert width["value"] == pytest.approx(1.6e-3, rel=0.05)
+    assert width["std"] > 0.1 * width["value"]
+    assert any("the model does not follow the output from flank to flank" in warning for warning in found.warnings)
