@@ -180,9 +180,9 @@ def _between_levels(values: np.ndarray) -> float:
     if above.all() or not above.any():
         return 0.0
     middles = [float(np.median(part)) for part in (values[above], values[~above])]
-    within = [np.median(np.abs(values[of] - middle)) for of, middle in zip((above, ~above), middles, strict=True)]
+    within = [1.4826 * np.median(np.abs(values[of] - m)) for of, m in zip((above, ~above), middles, strict=True)]
     apart = middles[0] - middles[1]
-    return apart if 1.4826 * max(within) < PART * apart else 0.0
+    return apart if max(within) < PART * apart else 0.0
 
 
 def _travel(recording: Recording) -> float:
