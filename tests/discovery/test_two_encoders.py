@@ -10,9 +10,11 @@ from ema_bench_replay.errors import InputError
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.discovery.flanks_under_load import of_unseen_load, with_play_between_flanks
 from ema_twin_sim.discovery.search.removing import less
 from ema_twin_sim.discovery.search.rivals import other_structures, swapped
 from ema_twin_sim.fitting.fit import fit_model
+from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.model import ConstantValue
 from ema_twin_sim.simulation.behind_motor import refuse_encoders_alone
 from ema_twin_sim.simulation.simulate import simulate
@@ -380,20 +382,15 @@ def test_a_draft_says_that_the_second_encoder_was_left_out_for_its_holes(tmp_pat
 
 
 @pytest.mark.slow
-def test_play_whose_flanks_an_unseen_load_chooses_is_as_wide_as_they_are_apart(tmp_path):
-    """A weight holds the output on one flank on either side of an angle: no friction at the output does that."""
-    runs = []
-    for number, (quicker, amplitude) in enumerate(((1.0, 0.9), (2.0, 0.6))):
-        time = np.arange(8000) * 2e-3
-        angle = amplitude * np.sin(1.6 * quicker * time) * np.minimum(time, 1.0) ** 2
-        output = angle - 0.5 * 1.6e-3 * np.tanh(np.sin(angle - 0.25) / 0.01)
-        noise = np.random.default_rng(number)
-        steps = {"motor": RATIO * angle, "output": output - output[0]}
-        columns = {f"{side} position [rad]": a + noise.normal(0.0, 5e-6, len(time)) for side, a in steps.items()}
-        runs.append({"time [s]": time, **columns})
-    found = discover(*of_columns(tmp_path, runs))
-    assert "backlash" in found.added
-    width = found.parameters["backlash"]["width"]
-    assert width["value"] == pytest.approx(1.6e-3, rel=0.05)
-    assert width["std"] > 0.1 * width["value"]
-    assert any("the model does not follow the output from flank to flank" in warning for warning in found.warnings)
+def test_play_that_is_off_its_flanks_is_as_wide_as_they_are_apart(discovered):
+    """As where an unseen load chooses the flanks, and a width that fits is a compromise; ± tells by how much."""
+    recording, _, end = discovered("play", 1.0)
+    right = end.search
+    assert with_play_between_flanks(right, [recording]) == (right, {})
+    (path,) = (path for path in right.fit.hypothesis.by_path if path.endswith(".width"))
+    wrong = right.with_numbers(fit(right.problem, right.fit.hypothesis.put({path: 3e-3}), 0))
+    found, uncertain = with_play_between_flanks(wrong, [recording])
+    assert found.fit.hypothesis.by_path[path] == pytest.approx(2e-3, rel=0.02)
+    assert uncertain == {path: pytest.approx(1e-3, rel=0.04)}
+    (warning,) = of_unseen_load(found.fit, uncertain)
+    assert "the play of 2.00 mrad is the measured distance between the flanks" in warning
