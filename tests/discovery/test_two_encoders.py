@@ -10,9 +10,11 @@ from ema_bench_replay.errors import InputError
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.discovery.flanks_under_load import of_unseen_load, with_play_between_flanks
 from ema_twin_sim.discovery.search.removing import less
 from ema_twin_sim.discovery.search.rivals import other_structures, swapped
 from ema_twin_sim.fitting.fit import fit_model
+from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.model import ConstantValue
 from ema_twin_sim.simulation.behind_motor import refuse_encoders_alone
 from ema_twin_sim.simulation.simulate import simulate
@@ -377,3 +379,18 @@ def test_a_draft_says_that_the_second_encoder_was_left_out_for_its_holes(tmp_pat
     assert "to use it, fill in these cells or remove their rows" in told
     assert "output position [rad] cannot be left out: fill in the missing values in" in told
     assert "add its column" not in told
+
+
+@pytest.mark.slow
+def test_play_that_is_off_its_flanks_is_as_wide_as_they_are_apart(discovered):
+    """As where an unseen load chooses the flanks, and a width that fits is a compromise; ± tells by how much."""
+    recording, _, end = discovered("play", 1.0)
+    right = end.search
+    assert with_play_between_flanks(right, [recording]) == (right, {})
+    (path,) = (path for path in right.fit.hypothesis.by_path if path.endswith(".width"))
+    wrong = right.with_numbers(fit(right.problem, right.fit.hypothesis.put({path: 3e-3}), 0))
+    found, uncertain = with_play_between_flanks(wrong, [recording])
+    assert found.fit.hypothesis.by_path[path] == pytest.approx(2e-3, rel=0.02)
+    assert uncertain == {path: pytest.approx(1e-3, rel=0.04)}
+    (warning,) = of_unseen_load(found.fit, uncertain)
+    assert "the play of 2.00 mrad is the measured distance between the flanks" in warning

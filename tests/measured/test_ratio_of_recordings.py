@@ -5,8 +5,9 @@ import pytest
 
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.measured.ratio_of_positions import ratio_of_positions
-from ema_twin_sim.measured.ratio_of_recordings import ratio_of_recordings
+from ema_twin_sim.measured.ratio_of_recordings import flanks_apart, ratio_of_recordings
 from ema_twin_sim.new_machine.shaft import whole_ratio
+from tests.play import behind_play
 
 PERIOD = 1e-3
 TIME = np.arange(12000) * PERIOD
@@ -65,3 +66,18 @@ def test_points_and_lone_positions_tell_no_other_ratio():
     assert ratio_of_recordings([], 7.0).value == 7.0
     lone = Recording("lone", recording.stamps, {"motor_position": recording.signals["motor_position"]})
     assert ratio_of_recordings([lone], 7.0).value == 7.0
+
+
+def test_flanks_are_as_far_apart_whatever_chooses_them():
+    """A weight that changes the flank on its way, or friction that does so at each reversal."""
+    assert flanks_apart([swung(50.0)], 50.0) == pytest.approx(PLAY, rel=0.01)
+    angle = 0.9 * np.sin(1.6 * TIME)
+    signals = {"motor_position": 50.0 * angle, "output_position": behind_play(angle, PLAY)}
+    held = Recording("held", np.rint(TIME * 1e9).astype(np.int64), signals)
+    assert flanks_apart([held], 50.0) == pytest.approx(PLAY, rel=0.01)
+
+
+def test_without_play_there_are_no_flanks():
+    assert flanks_apart([swung(50.0, play=0.0)], 50.0) is None
+    assert flanks_apart([swung(50.0, play=0.0, wound=1e-3)], 50.0) is None
+    assert flanks_apart([], 50.0) is None

@@ -75,3 +75,18 @@ def test_milliseconds_that_jitter_about_one_are_no_seconds():
 def test_a_recording_of_one_row_is_refused_without_a_word_of_its_clock(drafted):
     with pytest.raises(InputError, match="has one row only"):
         drafted({"time": ["1720085517763847700"], "position [rad]": [0.5], "current [A]": [0.1]})
+
+
+@pytest.mark.parametrize("period", [0.01, 1.0])
+def test_a_clock_whose_unit_makes_the_samples_slow_is_asked_about(drafted, period):
+    """Milliseconds that are called seconds make speeds, inertia and delays wrong, and nothing else shows."""
+    columns = {"time [s]": COUNT * period, "position [rad]": moved(COUNT * 0.01)[0], "torque [Nm]": np.cos(COUNT)}
+    asked = "samples come every 1 s by column 'time [s]', more slowly than most drives are recorded: is it in ms"
+    assert (asked in drafted(columns).warned) == (period == 1.0)
+
+
+def test_a_slow_clock_by_which_position_and_speed_agree_is_right(drafted):
+    seconds = COUNT * 0.5
+    position, speed = 30.0 * np.sin(0.05 * seconds), 1.5 * np.cos(0.05 * seconds)
+    columns = {"time [s]": seconds, "position [rad]": position, "speed [rad/s]": speed, "torque [Nm]": np.cos(position)}
+    assert "samples come every" not in drafted(columns).warned

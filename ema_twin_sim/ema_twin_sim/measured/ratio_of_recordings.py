@@ -74,8 +74,7 @@ def _of_both(recordings: Sequence[Recording]) -> list[Recording]:
 def _shown(recordings: Sequence[Recording], near: float) -> tuple[np.ndarray, float] | None:
     """The factors of the columns by the ways that tell the ratio best, and its standard error; None if none does."""
     found = [shown for window in _WINDOWS if (shown := _over(window, recordings, near)) is not None]
-    best = min(found, key=lambda shown: shown[1], default=None)
-    return best if best is not None and abs(best[0][0] / near - 1.0) < ALIKE else None
+    return min(found, key=lambda shown: shown[1], default=None)
 
 
 def _columns(recording: Recording, *, turned: bool) -> np.ndarray:
@@ -109,9 +108,13 @@ def _over(window: float, recordings: Sequence[Recording], near: float) -> tuple[
     if not blocks:
         return None
     factors, errors = _fitted(blocks, [])
-    if not abs(factors[_BEND]) > SIGNIFICANT * errors[_BEND]:  # in a steady swing it is the position over again
-        factors, errors = _fitted(blocks, [_BEND])
-    return (factors, float(errors[0])) if errors[0] > 0.0 else None
+    if not (abs(factors[_BEND]) > SIGNIFICANT * errors[_BEND] and _alike(factors[0], near)):
+        factors, errors = _fitted(blocks, [_BEND])  # in a steady swing it is the position over again
+    return (factors, float(errors[0])) if math.isfinite(errors[0]) and _alike(factors[0], near) else None
+
+
+def _alike(ratio: float, near: float) -> bool:
+    return abs(ratio / near - 1.0) < ALIKE
 
 
 def _ways(recording: Recording, window: float, near: float, *, turned: bool) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -177,9 +180,9 @@ def _between_levels(values: np.ndarray) -> float:
     if above.all() or not above.any():
         return 0.0
     middles = [float(np.median(part)) for part in (values[above], values[~above])]
-    within = [np.median(np.abs(values[of] - middle)) for of, middle in zip((above, ~above), middles, strict=True)]
+    within = [1.4826 * np.median(np.abs(values[of] - m)) for of, m in zip((above, ~above), middles, strict=True)]
     apart = middles[0] - middles[1]
-    return apart if 1.4826 * max(within) < PART * apart else 0.0
+    return apart if max(within) < PART * apart else 0.0
 
 
 def _travel(recording: Recording) -> float:

@@ -43,7 +43,7 @@ from .shaft import Shaft, is_geared, is_possible, position_shaft, shaft_by_trave
 from .signal_columns import is_quadrature
 from .torque_beside_current import not_proportional
 from .two_joints import two_joints
-from .unit_questions import questions_about_units
+from .unit_questions import questions_about_clock, questions_about_units
 from .unnamed_positions import HOW_TO_NAME, unnamed_beside_speed, unnamed_pair
 from .unsigned_drive import unsigned_signals
 
@@ -234,6 +234,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
             )
     asked = (
         *(_no_sign(guess, recordings) for guess in guesses.signals if guess.magnitude),
+        *questions_about_clock(recordings, guesses.time),
         *questions,
         *model.questions,
     )

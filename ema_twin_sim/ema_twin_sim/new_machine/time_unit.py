@@ -46,6 +46,11 @@ def time_unit(time: np.ndarray, by_motion: str | None = None) -> tuple[str, str]
     return next(fast_enough, "ns"), "no unit in the header; otherwise the sample period would be too long"
 
 
+def smaller_unit(unit: str) -> str | None:
+    """The unit of time that is a thousandth of a ``unit``; None if there is none."""
+    return next((other for other, size in TIME_UNITS.items() if 1000 * size == TIME_UNITS[unit]), None)
+
+
 def unit_of_size(sizes: Sequence[float], tolerance: float) -> str | None:
     """The unit of time that has one of these ``sizes`` [s], nearly; None if none has, or several do."""
     found = {

@@ -6,16 +6,21 @@ They are printed as warnings; nothing is decided by them.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
 from ema_bench_replay.recording import Recording
+from ema_bench_replay.traces.header_words import header_words
 from ema_bench_replay.units import units_of
 
 from ..criteria import NEARLY_ALL, NEGLIGIBLE
 from ..measured.usual_sizes import USUAL, unusual_sizes
+from ..measured.way_by_speed import way_by_speed
+from .columns import Guess
+from .shaft import OWN
 from .steps import is_decimal, smallest_step
+from .time_unit import SLOWEST_SAMPLES, smaller_unit
 from .usual_counts import usual_counts
 
 _POSITIONS = ("motor_position", "output_position")
@@ -36,6 +41,31 @@ def questions_about_units(
     if not recording.has("speed"):  # with a speed, the distance shows it
         yield from _by_counts(recording, units)
         yield from _by_rate(recording)
+
+
+def questions_about_clock(recordings: Sequence[Recording], clock: Guess | None) -> tuple[str, ...]:
+    """A question if the unit in a clock's name makes samples slower than drives are recorded; empty otherwise.
+
+    It would make speeds, inertia and delays wrong by its powers, and nothing else shows it: slow motion is smooth, too.
+    A speed that agrees with the position shows that the unit is right.
+    """
+    if clock is None or clock.unit is None or header_words(clock.column).unit is None:
+        return ()
+    smaller = smaller_unit(clock.unit)
+    slow = [r for r in recordings if not r.of_points and r.sample_period > SLOWEST_SAMPLES]
+    if smaller is None or len(slow) < len(recordings) or any(map(_keeps_time, slow)):
+        return ()
+    return (
+        f"{slow[0].name}: samples come every {slow[0].sample_period:g} s by column {clock.column!r}, more slowly than "
+        f"most drives are recorded: is it in {smaller}, and read as {clock.unit}? Then speeds, inertia and delays are "
+        f"wrong: correct the unit in its name, as in 'time [{smaller}]', and run init again",
+    )
+
+
+def _keeps_time(recording: Recording) -> bool:
+    """Whether the speed times the time is the position's way."""
+    times = way_by_speed(recording)
+    return times is not None and abs(abs(times) - 1.0) < OWN
 
 
 def _by_whole_numbers(recording: Recording, units: Mapping[str, str | None]) -> Iterator[str]:
