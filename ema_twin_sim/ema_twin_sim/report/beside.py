@@ -78,8 +78,8 @@ def _beside(recording: Recording, model: Model, source: str, step: float | None,
         measured = recording.signals["current"] * constant if torque else measured_signals[name]
         size, unit = shown(model, 1.0, ALL_UNITS[name])
         if name == "current" and by_torque:  # as compare names it
-            name, unit, size = "motor_torque", "N m", constant
-            place = replace(place, residual=place.residual * constant)
+            name, (size, unit) = "motor_torque", shown(model, constant, "N m")
+            place = replace(place, residual=place.residual * size)
         curves[name] = Curves(measured * size, residual * size, unit)
         if name in (*explained_signals(source), "motor_torque"):
             stretches[name] = place
