@@ -15,7 +15,8 @@ from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.model import load_model
 from ema_twin_sim.model.own_units import OwnUnits, model_in, table_in
 from ema_twin_sim.own_effects import load_effect
-from tests.recorded import sampled
+from ema_twin_sim.report.beside import beside
+from tests.recorded import changed, sampled
 
 MASS, VISCOUS, COULOMB, STRIBECK, SLOW = 38.0, 90.0, 45.0, 55.0, 0.004
 MAGNET = {"force": 70.0, "centre": 0.13, "width": 0.012}
@@ -95,6 +96,24 @@ def test_one_of_two_missing_effects_is_named_though_it_acts_over_a_short_way(sli
     assert {name: each["value"] for name, each in told.items()} == pytest.approx(MAGNET, rel=0.03)
     shown = {step["title"]: step["views"][0]["against"] for step in evidence_json(found)["steps"]}
     assert shown["magnet"] == "output_position" and shown["stribeck_friction"] == "speed"
+
+
+def test_a_bound_that_keeps_it_out_is_told(slide, tmp_path):
+    model, recordings = slide
+    (tmp_path / "magnet.py").write_text(FILE.replace("0.02, 0.0005, 0.05", "0.1, 0.04, 0.5"))
+    load_effect(tmp_path / "magnet.py")
+    found = discover(recordings, model)
+    assert "magnet" not in found.added
+    assert any("width ended on the lower bound of your file, 0.04 m" in warning for warning in found.warnings)
+
+
+def test_a_report_draws_its_force_in_newtons(slide):
+    model, recordings = slide
+    force, way = (recordings[0].signals[name] for name in ("motor_torque", "motor_position"))
+    told = changed(recordings[0], speed_setpoint=np.gradient(way, recordings[0].time))
+    (drawn,) = beside([told], model)
+    assert drawn.curves["motor_torque"].unit == "N"
+    assert drawn.curves["motor_torque"].measured == pytest.approx(force, rel=1e-6, abs=1e-9)
 
 
 def test_its_bounds_are_metres_wherever_they_are_asked_for(slide):

@@ -19,7 +19,7 @@ from ..identification.equation import EquationErrorProblem
 from ..identification.estimates import constants, far_off, far_off_in_words, off_by_one_factor, parameters
 from ..identification.fit import Fit, fit
 from ..identification.hypothesis import Hypothesis
-from ..identification.on_bound import on_bounds, torque_sign_reversed
+from ..identification.on_bound import on_bounds, own_on_bounds, torque_sign_reversed
 from ..measured.noise import NoiseFloor
 from ..measured.observability import not_shown, own_not_shown, restored
 from ..measured.scales import rms_torque, with_hidden_as_given
@@ -279,6 +279,7 @@ def discover(
             *(() if problem.size else WITHOUT_TORQUE),
             *of_unseen_load(best, uncertain),
             *own_not_shown(recordings, model, without),
+            *(own_on_bounds(_gaining(found), added) if not known else ()),
         ),
         unseen,
         found,
@@ -291,6 +292,11 @@ def discover(
         "" if known else left_over_words(problem, found, depends_on),
         misread,
     )
+
+
+def _gaining(found: Search) -> list[Fit]:
+    """The fits that a search tried and that gained something, the best of each round first."""
+    return [trial.fit for turn in found.rounds for trial in turn.tried if trial.gain > 0.0]
 
 
 def excluded_effects(recordings: Sequence[Recording], model: Model, without: Sequence[str]) -> frozenset[str]:

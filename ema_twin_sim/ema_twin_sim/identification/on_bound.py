@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Container, Iterable, Mapping
 
 import numpy as np
 
 from ..criteria import LIKELY, NEARLY_ALL, NEGLIGIBLE, SIGNIFICANT, SMALL
 from ..effects import Parameter, catalogue
+from ..effects.catalogue import is_own
 from ..model import Model
 from ..model.constants import CONSTANTS
-from ..model.own_units import shown
+from ..model.own_units import shown, table_in
 from ..model.roles import DRY_FRICTION, FRICTION, TORQUE_FACTOR
 from .equation import EquationErrorProblem
 from .estimates import standard_errors
@@ -113,7 +114,8 @@ def _typical(f: Fit, free: Free) -> float:
         return 1.0
     name, _, parameter = free.path.removeprefix("effects.").partition(".")
     instance = f.hypothesis.added[name]
-    p = next(p for p in catalogue()[instance.effect].parameters if p.name == parameter)
+    effect = table_in(catalogue()[instance.effect], f.hypothesis.base.units)
+    p = next(p for p in effect.parameters if p.name == parameter)
     return max(abs(f.hypothesis.by_path[free.path]), abs(p.default)) or 1.0
 
 
@@ -129,6 +131,30 @@ def _added(f: Fit, rest: str, side: str) -> list[str]:
     remedy = "faster motion" if faster else effect.shown_by
     written = with_unit(f.hypothesis.base, instance.parameters[parameter], p.unit, angle=p.periodic)
     return [f"{name}: {parameter} is on its bound {written}; record {remedy}, or hold {parameter} at what is known"]
+
+
+def own_on_bounds(tried: Iterable[Fit], added: Container[str]) -> tuple[str, ...]:
+    """One sentence for each shape of a user's own effect that ended, in fits that were ``tried``, on its file's bound.
+
+    Of effects that are not among those ``added``: a bound that the machine is beyond keeps a right effect out.
+    """
+    found: dict[str, str] = {}
+    for f in tried:
+        base = f.hypothesis.base
+        for name, instance in f.hypothesis.added.items():
+            if instance.effect in added or not is_own(catalogue()[instance.effect]):
+                continue
+            for p in table_in(catalogue()[instance.effect], base.units).parameters[1:]:
+                value = f.hypothesis.by_path.get(f"effects.{name}.{p.name}", math.nan)
+                ended = None if p.periodic else reached_bound(value, p.lower, p.upper, math.inf, abs(value))
+                if ended and not is_simpler_law(p, value):
+                    bound = with_unit(base, getattr(p, ended), p.unit)
+                    found.setdefault(
+                        f"{name}.{p.name}",
+                        f"{name}: tried and not added; its {p.name} ended on the {ended} bound of your file, {bound}: "
+                        "widen it there if the machine may be beyond",
+                    )
+    return tuple(found.values())
 
 
 def _open(f: Fit, what: str) -> list[str]:
