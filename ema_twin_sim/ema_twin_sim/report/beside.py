@@ -80,16 +80,7 @@ def _beside(recording: Recording, model: Model, source: str, step: float | None,
         place = in_native_units(model, name, stretch_of(recording, twin, residual, ratio))
         if driven:
             continue
-<<<<<<< HEAD
         size, unit = shown(model, 1.0, TRACED_UNITS[name])
-=======
-        torque = name == "unexplained_torque"
-        measured = recording.signals["current"] * constant if torque else measured_signals[name]
-        size, unit = shown(model, 1.0, ALL_UNITS[name])
-        if name == "current" and by_torque:  # as compare names it
-            name, (size, unit) = "motor_torque", shown(model, constant, "N m")
-            place = replace(place, residual=place.residual * size)
->>>>>>> mendC
         curves[name] = Curves(measured * size, residual * size, unit)
         if name in (*explained_signals(source), "motor_torque"):
             stretches[name] = place
