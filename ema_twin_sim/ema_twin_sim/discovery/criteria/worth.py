@@ -25,6 +25,7 @@ from ...criteria import (
     LEAST_SIZE,
     LEAST_SIZE_BESIDE_IMPACTS,
     LEAST_SIZE_LIKE_FRICTION,
+    MOSTLY,
     NEGLIGIBLE,
     PART,
     SHAKY,
@@ -205,23 +206,28 @@ def left_over(problem: EquationErrorProblem, f: Fit) -> list[float]:
 def _hardly_parts(problem: EquationErrorProblem, before: Fit, after: Fit) -> bool:
     """Whether almost none of the encoder difference was removed. With open constants nothing stricter can be tested.
 
-    An error of an encoder is judged by what errors of another kind leave: a delay shifts the readings in time and an
-    angle error by angle, each exactly, so a large one of the one kind leaves nothing that looks like the other.
+    An encoder error that is small in the whole counts if it is most of what errors of another kind leave: a delay
+    shifts the readings in time and an angle error by angle, each exactly, so neither leaves the shape of the other.
     """
     if not after.hypothesis.base.is_open:
         return False
-    parted, gone = 0.0, 0.0
     came = {i.effect for n, i in after.hypothesis.added.items() if n not in before.hypothesis.added}
     # An encoder's error may be far larger than the backlash, so backlash is judged by what that error leaves.
     known_errors = not problem.size or not ENCODER_ONLY.isdisjoint(before.hypothesis.effects)
     beside_errors = known_errors and not came.isdisjoint(COMPLIANT_EFFECTS)
-    left = before.raw if beside_errors else problem.measured - _shown_by_other_errors(problem, before, came)
-    for part in problem.encoder_parts:
-        noise = problem.noise_of_encoders(part)
-        difference = left[part] * noise
-        parted += float(np.sum((difference - np.mean(difference)) ** 2)) if len(difference) else 0.0
-        gone += float(np.sum((before.raw[part] ** 2 - after.raw[part] ** 2) * noise**2))
-    return gone < NEGLIGIBLE * parted
+    gone = sum(
+        float(np.sum((before.raw[part] ** 2 - after.raw[part] ** 2) * problem.noise_of_encoders(part) ** 2))
+        for part in problem.encoder_parts
+    )
+    if gone >= NEGLIGIBLE * _parted(problem, before.raw if beside_errors else problem.measured):
+        return False
+    return gone < MOSTLY * _parted(problem, problem.measured - _shown_by_other_errors(problem, before, came))
+
+
+def _parted(problem: EquationErrorProblem, rows: np.ndarray) -> float:
+    """Power [rad^2] of the encoder difference in ``rows`` (m,), each recording having its own offset."""
+    parts = [rows[part] * problem.noise_of_encoders(part) for part in problem.encoder_parts]
+    return sum(float(np.sum((part - np.mean(part)) ** 2)) for part in parts if len(part))
 
 
 def _shown_by_other_errors(problem: EquationErrorProblem, f: Fit, came: Collection[str]) -> np.ndarray:
