@@ -7,8 +7,6 @@ from dataclasses import replace
 
 from rich.markup import escape
 
-from ema_bench_replay.long_columns import is_long
-
 from ..comparison.beyond_noise import beyond_noise, shown_signals
 from ..comparison.compare import Comparison
 from ..comparison.where import FEWEST_SAMPLES, Dependence
@@ -16,6 +14,7 @@ from ..criteria import SMALL
 from ..listing import few_of, listed
 from ..quantities import quantity, signal_words
 from ..simulation.compared_signals import ENCODER_DIFFERENCE
+from ..simulation.encoder_difference import too_long
 from ..words.at_rest import at_rest_sentence
 from ..words.decisive import decisive_sentence
 from ..words.error_cells import ALL, error_cell, noise_cell
@@ -46,7 +45,7 @@ def show_comparison(comparisons: Sequence[Comparison], labels: Sequence[str] = (
         say(f"The {driving} drives the twin open loop: its speed and positions drift and are left out (JSON has them).")
         if ENCODER_DIFFERENCE in comparisons[0].overall:
             say("The encoder difference of a model is that of its output driven by the motor's measured motion.")
-        long = [r.name for r in comparisons[0].recordings if is_long(r.samples) and "output_position" in r.signals]
+        long = [r.name for r in comparisons[0].recordings if too_long(r.samples) and "output_position" in r.signals]
         if long:
             say(f"Recordings too long for an encoder difference: {few_of(long)}.")
     for comparison in comparisons:

@@ -19,6 +19,8 @@ from .compared_signals import ENCODER_DIFFERENCE
 
 Signals = Mapping[str, np.ndarray]
 
+_AT_ONCE = 4  # times the memory of a twin: a recording is too long sooner by this
+
 
 def with_encoder_difference(
     model: Model, recording: Recording, source: str, twin: Recording
@@ -41,9 +43,14 @@ def with_encoder_difference(
     )
 
 
+def too_long(samples: int) -> bool:
+    """Whether a recording of so many samples is compared without the encoder difference."""
+    return is_long(_AT_ONCE * samples)
+
+
 def holds_both_encoders(recording: Recording) -> bool:
     """Whether some sample of a recording that fits into memory holds both positions."""
     positions = ("motor_position", "output_position")
-    if recording.of_points or is_long(len(recording)) or not recording.has(*positions):
+    if recording.of_points or too_long(len(recording)) or not recording.has(*positions):
         return False
     return bool(np.isfinite(sum(recording.signals[name] for name in positions)).any())
